@@ -1,0 +1,115 @@
+// run.json and datapackage.json.
+#include "experiments/provenance.hpp"
+
+#include <ctime>
+#include <fstream>
+#include <set>
+#include <thread>
+
+#include <Eigen/Core>
+#include <boost/version.hpp>
+#include <nlohmann/json.hpp>
+
+#include "solvers/registry.hpp"
+
+namespace polhode {
+namespace {
+
+std::string cpu_model() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.starts_with("model name")) {
+      const auto colon = line.find(": ");
+      if (colon != std::string::npos) return line.substr(colon + 2);
+    }
+  return "unknown";
+}
+
+/// Does the compiler fuse a multiplication with an addition here? It must not: 1 + 2^-27 squared minus its
+/// rounded square is zero unless the product is kept exact inside a fused operation.
+bool contraction_is_on() {
+  volatile double a = 1 + 0x1p-27;
+  const double x = a, square = x * x;
+  volatile double kept = square;
+  return x * x - kept != 0;
+}
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&now, &utc);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
+  return text;
+}
+
+const char* type_name(ColumnType type) {
+  switch (type) {
+    case ColumnType::text:
+      return "string";
+    case ColumnType::integer:
+      return "integer";
+    case ColumnType::number:
+      return "number";
+    case ColumnType::boolean:
+      return "boolean";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::string run_json(const std::string& command_line) {
+  nlohmann::ordered_json j;
+  j["program"] = "polhode";
+  j["version"] = polhode_version;
+  j["commit"] = POLHODE_COMMIT;
+  j["command"] = command_line;
+  j["date"] = utc_now();
+  j["compiler"] = POLHODE_COMPILER;
+  j["flags"] = POLHODE_FLAGS;
+  j["contraction"] = contraction_is_on() ? "on" : "off";
+  // Solvers that wrap a library name it in their rows; the rest is what the models are built with.
+  std::set<std::string> libraries{std::string("Boost ") + BOOST_LIB_VERSION,
+                                  "Eigen " + std::to_string(EIGEN_WORLD_VERSION) + "." +
+                                      std::to_string(EIGEN_MAJOR_VERSION) + "." +
+                                      std::to_string(EIGEN_MINOR_VERSION)};
+  for (const Method* m : all_methods())
+    if (!m->version.empty()) libraries.emplace(m->version);
+  j["libraries"] = libraries;
+  nlohmann::ordered_json engines = nlohmann::ordered_json::array();
+  for (const EngineStatus& e : all_engines()) {
+    nlohmann::ordered_json entry = {{"id", e.id}, {"what", e.summary}, {"available", e.available}};
+    if (e.available && !e.methods.empty()) entry["version"] = e.methods.front()->version;
+    if (!e.available) entry["missing"] = e.missing;
+    engines.push_back(entry);
+  }
+  j["engines"] = engines;
+  j["cpu"] = cpu_model();
+  j["cores"] = std::thread::hardware_concurrency();
+  j["clock"] = "CPU time of the measuring thread";
+  j["seed"] = nullptr;
+  return j.dump(2) + "\n";
+}
+
+std::string datapackage_json(std::span<const Table> tables) {
+  nlohmann::ordered_json j;
+  j["profile"] = "tabular-data-package";
+  j["name"] = "polhode-results";
+  j["resources"] = nlohmann::ordered_json::array();
+  for (const Table& t : tables) {
+    nlohmann::ordered_json fields = nlohmann::ordered_json::array();
+    for (const Column& c : t.columns)
+      fields.push_back({{"name", c.name}, {"type", type_name(c.type)}, {"description", c.meaning}});
+    std::string name(t.file.substr(0, t.file.find('.')));
+    for (char& ch : name)
+      if (ch == '_') ch = '-';
+    j["resources"].push_back({{"name", name},
+                              {"path", t.file},
+                              {"profile", "tabular-data-resource"},
+                              {"schema", {{"fields", fields}, {"missingValues", {""}}}}});
+  }
+  return j.dump(2) + "\n";
+}
+
+}  // namespace polhode

@@ -1,0 +1,20 @@
+// Where a result comes from: command, versions, compiler, machine; the run.json and datapackage.json of a
+// folder.
+#pragma once
+#include <span>
+#include <string>
+
+#include "experiments/table.hpp"
+
+namespace polhode {
+
+constexpr const char* polhode_version = POLHODE_VERSION;
+
+/// run.json: command, version and commit, compiler, flags, contraction, library versions, engine precision,
+/// CPU, cores, date, seed (none is used: every result is deterministic).
+std::string run_json(const std::string& command_line);
+
+/// datapackage.json: each table with its columns, types and meanings.
+std::string datapackage_json(std::span<const Table> tables);
+
+}  // namespace polhode

@@ -1,0 +1,86 @@
+// The list of questions and what they share.
+#include "experiments/question.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <exception>
+#include <mutex>
+#include <thread>
+
+#include <unistd.h>
+
+#include "experiments/interrupt.hpp"
+
+namespace polhode {
+
+#define QUESTION(function, verb, summary) std::vector<Table> function(const Plan& plan);
+#include "experiments/questions.def"
+#undef QUESTION
+
+const std::vector<Question>& all_questions() {
+  static const std::vector<Question> questions = {
+#define QUESTION(function, verb, summary) {verb, summary, function},
+#include "experiments/questions.def"
+#undef QUESTION
+  };
+  return questions;
+}
+
+void for_each_run(const Options& options, std::size_t n, const std::function<void(std::size_t)>& f) {
+  const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
+  const std::size_t workers =
+      std::min<std::size_t>(n, options.jobs > 0 ? static_cast<unsigned>(options.jobs) : cores);
+  std::atomic<std::size_t> next{0};
+  std::exception_ptr failure;
+  std::mutex guard;
+  const auto work = [&] {
+    for (std::size_t i = next++; i < n && !interrupted(); i = next++) {
+      try {
+        f(i);
+      } catch (...) {
+        const std::lock_guard lock(guard);
+        failure = std::current_exception();
+        next = n;
+      }
+    }
+  };
+  {
+    std::vector<std::jthread> threads;
+    for (std::size_t k = 1; k < workers; ++k) threads.emplace_back(work);
+    work();
+  }
+  if (failure) std::rethrow_exception(failure);
+}
+
+Setting setting_of(const Options& options, Knob knob) {
+  Setting s;
+  s.knob = knob;
+  if (options.rtol) s.rtol = *options.rtol;
+  if (options.atol) s.atol = *options.atol;
+  // No run may hang a study: a minute is far beyond any useful setting here.
+  s.timeout_s = options.timeout_s.value_or(60);
+  s.digits = options.digits;
+  return s;
+}
+
+void progress(const Options& options, const std::string& what) {
+  static const bool terminal = isatty(STDERR_FILENO) == 1;
+  if (!terminal || options.quiet) return;
+  std::fprintf(stderr, "\r\033[K%s", what.c_str());
+  std::fflush(stderr);
+}
+
+Trajectory run_once(const Method& method, const Scene& scene, const Setting& setting, const Grid& grid) {
+  Trajectory out;
+  const Prepared prepared = method.prepare(scene, setting);
+  if (!prepared.integrate) {
+    out.outcome = Outcome::unsupported;
+    out.reason = prepared.unsupported;
+    return out;
+  }
+  prepared.integrate(grid, out);
+  return out;
+}
+
+}  // namespace polhode

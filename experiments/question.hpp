@@ -1,0 +1,48 @@
+// What every experiment shares: a plan in (scenes, solvers, options), tables out.
+#pragma once
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "experiments/options.hpp"
+#include "experiments/table.hpp"
+#include "experiments/truth.hpp"
+#include "solvers/registry.hpp"
+
+namespace polhode {
+
+struct Plan {
+  std::vector<Scene> scenes;
+  std::vector<const Method*> methods;
+  Options options;
+};
+
+/// Answers one question about every scene and solver of the plan. Stops early, with what there is, when
+/// interrupted.
+using Answer = std::vector<Table> (*)(const Plan&);
+
+struct Question {
+  const char *id, *summary;
+  Answer answer;
+};
+const std::vector<Question>& all_questions();
+
+/// Runs f(0..n-1) on as many threads as the options say; every result goes to its own place, so that the
+/// order of rows does not depend on the threads. No new item is begun after an interrupt.
+void for_each_run(const Options& options, std::size_t n, const std::function<void(std::size_t)>& f);
+
+/// The setting that the options ask for of a solver with this knob.
+Setting setting_of(const Options& options, Knob knob);
+
+/// A line of progress on a terminal, nothing elsewhere.
+void progress(const Options& options, const std::string& what);
+
+/// One run; a solver that does not serve the scene gives outcome `unsupported` with its reason.
+Trajectory run_once(const Method& method, const Scene& scene, const Setting& setting, const Grid& grid);
+
+/// An empty cell for NaN, the number otherwise.
+inline Cell number(double x) { return x == x ? Cell(x) : Cell(); }
+inline Cell text(std::string_view s) { return Cell(std::string(s)); }
+
+}  // namespace polhode

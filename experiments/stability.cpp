@@ -1,0 +1,169 @@
+// Question: how large a step does each solver survive on a stiff scene?
+//
+// The scene's stiff parameter is set to each of its values; the step size is bisected (in its logarithm)
+// between a step that keeps the energy and one that does not. A step is stable if after 1000 steps the
+// kinetic energy of the rotation and the potential of its loads have not grown: these scenes lose energy or
+// keep it, none gains. Theory beside it: the largest h for which the stability polynomial of the solver stays
+// within one in modulus at h lambda, for every eigenvalue lambda of the Jacobian at the start (2/lambda for
+// Euler, 2.785/lambda for RK4 on the real axis). Where no limit is found within the range searched, the field
+// is empty.
+#include <cmath>
+#include <complex>
+
+#include <Eigen/Eigenvalues>
+
+#include "experiments/grid.hpp"
+#include "experiments/interrupt.hpp"
+#include "experiments/question.hpp"
+#include "models/model.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr Column columns[] = {
+    {"scene", ColumnType::text, "scene id"},
+    {"solver", ColumnType::text, "solver id"},
+    {"parameter", ColumnType::text, "the stiff parameter, load.key"},
+    {"parameter_value", ColumnType::number, "its value, in the unit of the scene file"},
+    {"h_s", ColumnType::number, "the smallest step tried that failed, s; empty: none did"},
+    {"outcome", ColumnType::text, "how the run at h_s ended (ok: it ended, but had gained energy)"},
+    {"largest_stable_h_s", ColumnType::number, "largest stable step, s; empty: none found"},
+    {"theory_h_s", ColumnType::number, "linear theory, s; empty: the solver has no stability polynomial"},
+    {"energy_growth_per_step", ColumnType::number, "(E_end/E_start)^(1/steps) at h_s"},
+};
+
+constexpr std::int64_t steps = 1000;
+
+struct Trial {
+  bool stable = false;
+  Outcome outcome = Outcome::ok;
+  double growth = std::numeric_limits<double>::quiet_NaN();
+};
+
+Trial try_step(const Integration& run, double h, double rounding) {
+  Grid grid;
+  grid.from_start = true;
+  for (const std::int64_t n : {std::int64_t{1}, std::int64_t{10}, std::int64_t{100}, steps}) {
+    const std::int64_t before = grid.steps();
+    grid.stretches.push_back({h * double(n), n - before, h});
+  }
+  Trajectory out;
+  run(grid, out);
+  Trial t;
+  t.outcome = out.outcome;
+  if (out.samples.size() < 2) return t;
+  const Sample &start = out.samples.front(), &end = out.samples.back();
+  const double n = std::max(1.0, std::round(end.t / h));
+  if (start.total_energy > 0 && end.total_energy > 0)
+    t.growth = std::pow(end.total_energy / start.total_energy, 1 / n);
+  t.stable = out.outcome == Outcome::ok && end.total_energy <= start.total_energy * (1 + rounding);
+  return t;
+}
+
+std::vector<std::complex<double>> eigenvalues(const Scene& scene) {
+  return with_model(scene, [](const auto& m) {
+    using M = std::remove_cvref_t<decltype(m)>;
+    Eigen::Matrix<double, M::size, M::size> J;
+    m.jacobian(0.0, m.initial.data(), J);
+    const Eigen::Matrix<std::complex<double>, M::size, 1> values = J.eigenvalues();
+    return std::vector<std::complex<double>>(values.begin(), values.end());
+  });
+}
+
+/// Largest h with |R(h lambda)| <= 1 for every lambda that decays or turns (|R| may exceed one by `slack`
+/// where the exact solution itself grows or stays, as along an unstable axis or for the neutral motions).
+double theory(std::span<const double> polynomial, const std::vector<std::complex<double>>& lambda, double low,
+              double high) {
+  double fastest = 0;
+  for (const auto& l : lambda) fastest = std::max(fastest, std::abs(l));
+  const auto stable = [&](double h) {
+    for (const auto& l : lambda) {
+      if (std::abs(l) < 0.1 * fastest) continue;  // the slow motions do not limit the step
+      std::complex<double> r = 0;
+      for (std::size_t k = polynomial.size(); k-- > 0;) r = r * (h * l) + polynomial[k];
+      if (std::abs(r) > 1 + 1e-12) return false;
+    }
+    return true;
+  };
+  if (!stable(low) || stable(high)) return std::numeric_limits<double>::quiet_NaN();
+  for (int i = 0; i < 60; ++i) {
+    const double middle = std::sqrt(low * high);
+    (stable(middle) ? low : high) = middle;
+  }
+  return low;
+}
+
+}  // namespace
+
+std::vector<Table> stability(const Plan& plan) {
+  Table table{"stability.csv", columns, {}};
+  struct Case {
+    const Scene* scene;
+    double value;
+    const Method* method;
+    std::vector<Cell> row;
+  };
+  std::vector<Case> cases;
+  for (const Scene& scene : plan.scenes) {
+    if (!scene.stiff) continue;
+    for (const Method* m : plan.methods)
+      if (m->by_steps)
+        for (const double v : scene.stiff->values) cases.push_back({&scene, v, m, {}});
+  }
+  for_each_run(plan.options, cases.size(), [&](std::size_t i) {
+    Case& c = cases[i];
+    progress(plan.options, "stability: " + c.scene->id + ", " + std::string(c.method->id));
+    const Scene scene = c.scene->with_stiff_value(c.value);
+    const StiffParameter& p = *scene.stiff;
+    std::string parameter = p.key;
+    if (p.key == "coefficients") parameter += "[" + std::to_string(p.component + 1) + "]";
+    c.row = {text(scene.id), text(c.method->id), text(parameter), c.value};
+    c.row.resize(std::size(columns));
+    const auto lambda = eigenvalues(scene);
+    double fastest = 0;
+    for (const auto& l : lambda) fastest = std::max(fastest, std::abs(l));
+    const Prepared run = c.method->prepare(scene, setting_of(plan.options, Knob::steps));
+    if (!run.integrate) {
+      c.row[5] = text(name_of(Outcome::unsupported));
+      return;
+    }
+    double low = 1e-3 / fastest, high = 1e3 / fastest;
+    c.row[7] = number(theory(c.method->stability_polynomial, lambda, low, high));
+    if (c.method->stability_polynomial.empty()) c.row[7] = Cell();
+    // Two thousand rounded operations a run: an energy that grows by less than this has not grown.
+    constexpr double rounding = 1e-12;
+    Trial worst = try_step(run.integrate, low, rounding);
+    double failed = low;
+    if (worst.stable) {
+      failed = high;
+      worst = try_step(run.integrate, high, rounding);
+      if (!worst.stable) {
+        while (high / low > 1 + 1e-4 && !interrupted()) {
+          const double middle = std::sqrt(low * high);
+          const Trial t = try_step(run.integrate, middle, rounding);
+          if (t.stable) {
+            low = middle;
+          } else {
+            high = failed = middle;
+            worst = t;
+          }
+        }
+      } else {
+        low = high;
+      }
+      c.row[6] = low;
+    }
+    c.row[5] = text(name_of(worst.outcome));
+    if (!worst.stable) {
+      c.row[4] = failed;
+      c.row[8] = number(worst.growth);
+    }
+  });
+  for (Case& c : cases)
+    if (!c.row.empty()) table.add(std::move(c.row));
+  std::vector<Table> tables;
+  tables.push_back(std::move(table));
+  return tables;
+}
+
+}  // namespace polhode

@@ -1,0 +1,31 @@
+// Timing: the thread's own CPU clock, warm, many repeats, minimum, median and spread beside each other.
+#pragma once
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace polhode {
+
+/// CPU time of this thread [s]. Wall clock on a shared machine measures the neighbours.
+double thread_seconds();
+
+struct Timing {
+  double min = 0, median = 0, mad = 0;  // s per run; mad: median absolute deviation from the median
+  int repeats = 0;                      // measurements, each of as many runs as fill `shortest_measurement`
+};
+
+/// How long to measure.
+struct TimingPlan {
+  int repeats = 7;
+  double shortest_measurement = 100e-6;  // s: shorter runs are timed in batches of several
+  double budget = 30e-3;                 // s per candidate, beyond the first three repeats
+};
+
+/// Times the candidates interleaved in rounds, so that a disturbance of the machine falls on all of them.
+std::vector<Timing> time_interleaved(std::span<const std::function<void()>> candidates,
+                                     const TimingPlan& plan);
+
+/// Median of values; NaN if there are none. Sorts its copy.
+double median(std::vector<double> values);
+
+}  // namespace polhode

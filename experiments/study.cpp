@@ -1,0 +1,184 @@
+// Asking questions and writing the answers: `study` asks all of them, the other question verbs one each.
+//
+// Everything goes into one result folder: the tables, solvers.csv and scenes.csv, run.json, datapackage.json,
+// the figures and the page. It is filled beside its final place and moved there whole.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "experiments/grid.hpp"
+#include "experiments/interrupt.hpp"
+#include "experiments/provenance.hpp"
+#include "experiments/question.hpp"
+#include "experiments/result_folder.hpp"
+#include "experiments/summary.hpp"
+#include "experiments/verbs.hpp"
+#include "models/errors.hpp"
+#include "reports/report.hpp"
+
+namespace polhode {
+
+#define VERB(function, verb, summary) int function##_verb(const Options& options);
+#include "experiments/verbs.def"
+#undef VERB
+
+namespace {
+
+// One scene for each thing that a study should show: a near-separatrix body in free fall, a well-conditioned
+// free body with published digits, torque with fast spin, several loads at once, and two with a stiff
+// parameter.
+constexpr const char* study_scenes[] = {"hairer-vilmart",      "tumbling-box",    "heavy-top",
+                                        "spinning-projectile", "attitude-spring", "angular-drag"};
+constexpr const char* quick_scenes[] = {"hairer-vilmart", "heavy-top", "angular-drag"};
+
+constexpr Column solver_columns[] = {
+    {"solver", ColumnType::text, "solver id"},
+    {"family", ColumnType::text, "family"},
+    {"order", ColumnType::number, "claimed order of the attitude; empty: none"},
+    {"source", ColumnType::text, "where the method is from"},
+    {"version", ColumnType::text, "of the library that it wraps"},
+    {"summary", ColumnType::text, "what it does"},
+    {"rate_order", ColumnType::number, "claimed order of the rates"},
+    {"energy_order", ColumnType::number, "claimed order of the energy"},
+    {"momentum_order", ColumnType::number, "claimed order of the momentum"},
+    {"unit_attitude", ColumnType::text, "yes, no or unknown: the attitude stays of unit length to rounding"},
+    {"momentum_magnitude", ColumnType::text, "|L| of the free body stays to rounding"},
+    {"space_momentum", ColumnType::text, "L of the free body stays to rounding, direction too"},
+    {"energy_bounded", ColumnType::text, "the energy error of the free body has no secular part"},
+    {"reversible", ColumnType::text, "forward and back returns to the start"},
+};
+constexpr Column scene_columns[] = {
+    {"scene", ColumnType::text, "scene id"},
+    {"title", ColumnType::text, "title"},
+    {"duration_s", ColumnType::number, "duration, s"},
+    {"unknowns", ColumnType::integer, "length of the state"},
+    {"left_out", ColumnType::text, "what the equations do without"},
+    {"truth_uncertainty_rad", ColumnType::number,
+     "largest difference between two solutions of other accuracy, rad"},
+    {"floor_attitude_rad", ColumnType::number,
+     "what double precision can resolve: conditioning times rounding, rad"},
+    {"truth", ColumnType::text, "kind of the truth"},
+    {"conditioning", ColumnType::number, "growth of a relative perturbation of the initial rates"},
+};
+
+Cell order_cell(double order) { return order >= 0 ? Cell(order) : Cell(); }
+Cell claim_cell(Claim c) { return text(c == Claim::yes ? "yes" : c == Claim::no ? "no" : "unknown"); }
+
+/// All solvers, not the chosen ones: their order decides the colours of every figure.
+Table solver_table() {
+  Table t{"solvers.csv", solver_columns, {}};
+  for (const Method* m : all_methods()) {
+    const Claims& c = m->claims;
+    t.add({text(m->id), text(m->family), order_cell(c.attitude_order), text(m->source), text(m->version),
+           text(m->summary), order_cell(c.rate_order), order_cell(c.energy_order),
+           order_cell(c.momentum_order), claim_cell(c.unit_attitude), claim_cell(c.momentum_magnitude),
+           claim_cell(c.space_momentum), claim_cell(c.energy_bounded), claim_cell(c.reversible)});
+  }
+  return t;
+}
+
+Table scene_table(const Plan& plan) {
+  Table t{"scenes.csv", scene_columns, {}};
+  for (const Scene& s : plan.scenes) {
+    std::string left_out;
+    for (const std::string& part : s.left_out) left_out += (left_out.empty() ? "" : "; ") + part;
+    const auto truth = truth_of(s, uniform_times(s.duration, 16));
+    const bool attitude = s.rotation && s.rotation->attitude;
+    t.add({text(s.id), text(s.title), s.duration, std::int64_t{s.unknowns}, left_out,
+           attitude ? Cell(truth->truth.attitude_uncertainty) : Cell(),
+           attitude ? Cell(truth->attitude_floor) : Cell(), truth->truth.kind, truth->conditioning});
+  }
+  return t;
+}
+
+Plan plan_of(const Options& options) {
+  Plan plan;
+  plan.options = options;
+  std::vector<std::string> ids = options.scenes;
+  if (ids.empty()) {
+    if (options.quick)
+      ids.assign(std::begin(quick_scenes), std::end(quick_scenes));
+    else
+      ids.assign(std::begin(study_scenes), std::end(study_scenes));
+  }
+  for (const std::string& id : ids) {
+    Scene scene = find_scene(id);
+    for (const Scene& other : plan.scenes)
+      if (other.id == scene.id) throw UsageError("scene '" + scene.id + "' is asked for twice");
+    plan.scenes.push_back(std::move(scene));
+  }
+  if (options.solvers.empty()) {
+    for (const Method* m : all_methods())
+      if (m->family != "truth") plan.methods.push_back(m);
+  } else {
+    plan.methods = select_methods(options.solvers);
+  }
+  return plan;
+}
+
+/// Answers questions and puts the answers where the options say.
+int answer(const Options& options, const std::vector<Question>& questions) {
+  const Plan plan = plan_of(options);
+  const std::string place = options.output.value_or("polhode-results");
+  const bool to_folder = place != "-" && !place.ends_with(".csv");
+  if (!to_folder && questions.size() > 1)
+    throw UsageError("-o " + place + ": a study has many tables and needs a folder");
+  // Asked before the work: a place that cannot be written should not cost a minute first.
+  std::optional<ResultFolder> folder;
+  if (to_folder) folder.emplace(place, options.force);
+  std::vector<Table> tables;
+  for (const Question& q : questions) {
+    if (interrupted()) break;
+    for (Table& t : q.answer(plan)) tables.push_back(std::move(t));
+  }
+  progress(options, "");
+  if (!to_folder) {
+    const std::string text = csv(tables.front());
+    if (place == "-")
+      write_stdout(text);
+    else
+      write_file(place, text);
+    return interrupted() ? 130 : 0;
+  }
+  tables.push_back(solver_table());
+  if (!interrupted()) tables.push_back(scene_table(plan));
+  for (const Table& t : tables) folder->write(std::string(t.file), csv(t));
+  folder->write("run.json", run_json(options.command_line));
+  folder->write("datapackage.json", datapackage_json(tables));
+  progress(options, "drawing");
+  const ReportOutcome report = write_report(folder->draft());
+  progress(options, "");
+  const std::string summary = result_summary(folder->draft(), place);
+  folder->commit();
+  for (const std::string& note : report.notes) fmt::print(stderr, "polhode: note: {}\n", note);
+  if (!options.quiet) write_stdout(summary);
+  return interrupted() ? 130 : 0;
+}
+
+}  // namespace
+
+int study_verb(const Options& options) { return answer(options, all_questions()); }
+
+const std::vector<Verb>& all_verbs() {
+  static const std::vector<Verb> verbs = [] {
+    std::vector<Verb> v;
+#define VERB(function, verb, summary) v.push_back({verb, summary, function##_verb});
+#include "experiments/verbs.def"
+#undef VERB
+    std::vector<Verb> questions;
+#define QUESTION(function, verb, summary)                                                                \
+  questions.push_back({verb, summary, [](const Options& o) {                                             \
+                         return answer(o, {*std::find_if(all_questions().begin(), all_questions().end(), \
+                                                         [](const Question& q) {                         \
+                                                           return std::string_view(q.id) == verb;        \
+                                                         })});                                           \
+                       }});
+#include "experiments/questions.def"
+#undef QUESTION
+    v.insert(v.begin() + 1, questions.begin(), questions.end());
+    return v;
+  }();
+  return verbs;
+}
+
+}  // namespace polhode

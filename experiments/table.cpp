@@ -1,0 +1,55 @@
+// CSV text of result tables.
+#include "experiments/table.hpp"
+
+#include <cassert>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace polhode {
+namespace {
+
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+  std::string q = "\"";
+  for (const char c : text) {
+    if (c == '"') q += '"';
+    q += c;
+  }
+  return q + '"';
+}
+
+struct CellText {
+  std::string operator()(std::monostate) const { return {}; }
+  std::string operator()(const std::string& s) const { return quoted(s); }
+  std::string operator()(std::int64_t i) const { return fmt::format("{}", i); }
+  std::string operator()(double x) const { return std::isfinite(x) ? shortest(x) : std::string(); }
+};
+
+}  // namespace
+
+std::string shortest(double x) { return fmt::format("{}", x); }
+
+void Table::add(std::vector<Cell> row) {
+  assert(row.size() == columns.size());
+  rows.push_back(std::move(row));
+}
+
+std::string csv(const Table& table) {
+  std::string text;
+  for (std::size_t i = 0; i < table.columns.size(); ++i) {
+    if (i) text += ',';
+    text += table.columns[i].name;
+  }
+  text += '\n';
+  for (const auto& row : table.rows) {
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (i) text += ',';
+      text += std::visit(CellText{}, row[i]);
+    }
+    text += '\n';
+  }
+  return text;
+}
+
+}  // namespace polhode

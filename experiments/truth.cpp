@@ -1,0 +1,135 @@
+// Truth cache, conditioning and error norms.
+#include "experiments/truth.hpp"
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <mutex>
+
+#include "experiments/table.hpp"
+
+namespace polhode {
+namespace {
+
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+std::vector<double> with_zero(std::span<const double> times) {
+  std::vector<double> all;
+  if (times.empty() || times.front() > 0) all.push_back(0);
+  all.insert(all.end(), times.begin(), times.end());
+  return all;
+}
+
+/// Growth of a relative perturbation of 1e-12 of the initial rates, the largest over three directions and all
+/// times, as attitude [rad] and as relative rate. Linear to 1e-12, computed from two 50-digit solutions: no
+/// cancellation.
+void conditioning(const Scene& scene, std::span<const double> times, SceneTruth& t) {
+  if (!scene.rotation) return;
+  constexpr double size = 1e-12;
+  const double w = scene.rotation->w0.norm();
+  double attitude_growth = 1, rate_growth = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    Scene other = scene;
+    other.rotation->w0[axis] += size * (w > 0 ? w : 1);
+    const double step = (other.rotation->w0[axis] - scene.rotation->w0[axis]) / (w > 0 ? w : 1);
+    const auto moved = perturbed_solution(other, times);
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      const auto &a = moved[i], &b = t.truth.samples[i];
+      if (scene.rotation->attitude)
+        attitude_growth =
+            std::max(attitude_growth, attitude_error<Wide>(b.q, a.q).convert_to<double>() / std::abs(step));
+      const Wide n = b.w_B.norm();
+      if (n > 0)
+        rate_growth =
+            std::max(rate_growth, Wide((a.w_B - b.w_B).norm() / n).convert_to<double>() / std::abs(step));
+    }
+  }
+  t.conditioning = std::max(attitude_growth, rate_growth);
+  // Reading the rates as doubles alone costs half an ulp; a run adds rounding of its own in every step.
+  t.attitude_floor = std::max(epsilon * attitude_growth, 4e-16);
+  t.rate_floor = std::max(epsilon * rate_growth, epsilon);
+}
+
+}  // namespace
+
+std::shared_ptr<const SceneTruth> truth_of(const Scene& scene, std::span<const double> times) {
+  static std::mutex guard;
+  static std::map<std::string, std::shared_ptr<const SceneTruth>> known;
+  const std::vector<double> all = with_zero(times);
+  // A scene that was varied (a stiff parameter) differs in its loads, a file in its path.
+  std::string key = scene.id + '\n' + scene.file.string() + '\n' + scene.variant + '\n';
+  for (const double t : all) key += shortest(t) + ' ';
+  const std::lock_guard lock(guard);
+  auto& entry = known[key];
+  if (!entry) {
+    auto t = std::make_shared<SceneTruth>();
+    t->truth = reference_solution(scene, all);
+    conditioning(scene, all, *t);
+    entry = t;
+  }
+  return entry;
+}
+
+double energy_scale(const SceneTruth& truth, bool rotational) {
+  const auto of = [&](const WideSample& s) {
+    return std::abs((rotational ? s.rotational_energy : s.total_energy).convert_to<double>());
+  };
+  double scale = of(truth.truth.samples.front());
+  if (scale > 0) return scale;
+  for (const auto& s : truth.truth.samples) scale = std::max(scale, of(s));
+  return scale > 0 ? scale : 1;
+}
+
+Errors errors_of(const Scene& scene, const SceneTruth& truth, std::span<const Sample> samples,
+                 std::size_t first) {
+  const bool rotates = scene.rotation.has_value(), moves = scene.translation.has_value();
+  const bool attitude = rotates && scene.rotation->attitude;
+  const bool rotational = rotates && moves;  // free fall must not hide the rotation
+  Errors e{attitude ? 0 : none, attitude ? 0 : none, rotates ? 0 : none, 0,
+           rotates ? 0 : none,  moves ? 0 : none,    attitude ? 0 : none};
+  const double scale = energy_scale(truth, rotational);
+  double L0 = truth.truth.samples.front().L.norm().convert_to<double>();
+  if (!(L0 > 0))
+    for (const auto& s : truth.truth.samples) L0 = std::max(L0, s.L.norm().convert_to<double>());
+  double position_scale = 0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const Sample& s = samples[i];
+    const WideSample& x = truth.truth.samples[first + i];
+    const auto gap = [](const Vec3& a, const Vec3T<Wide>& b) {
+      return Vec3T<Wide>(a.template cast<Wide>() - b).norm().template convert_to<double>();
+    };
+    if (attitude) {
+      e.attitude_end = attitude_error<Wide>(x.q, s.q.cast<Wide>()).convert_to<double>();
+      e.attitude_max = std::max(e.attitude_max, e.attitude_end);
+      e.unit_defect_max = std::max(e.unit_defect_max, s.unit_defect);
+    }
+    if (rotates) {
+      const double n = x.w_B.norm().convert_to<double>();
+      const double g = gap(s.w_B, x.w_B);
+      e.rate_max = std::max(e.rate_max, n > 0 ? g / n : g);
+      const double L = gap(s.L, x.L);
+      e.momentum_max = std::max(e.momentum_max, L0 > 0 ? L / L0 : L);
+    }
+    if (moves) {
+      e.position_max = std::max(e.position_max, gap(s.p, x.p));
+      position_scale = std::max(position_scale, x.p.norm().convert_to<double>());
+    }
+    const Wide energy = rotational ? x.rotational_energy : x.total_energy;
+    const double g =
+        abs(Wide(Wide(rotational ? s.rotational_energy : s.total_energy) - energy)).convert_to<double>();
+    e.energy_max = std::max(e.energy_max, g / scale);
+  }
+  const auto resolved = [](double error, double floor, double uncertainty) {
+    return error > 10 * std::max(floor, uncertainty);
+  };
+  if (attitude)
+    e.above_floor = resolved(e.attitude_max, truth.attitude_floor, truth.truth.attitude_uncertainty);
+  else if (rotates)
+    e.above_floor = resolved(e.rate_max, truth.rate_floor, truth.truth.rate_uncertainty);
+  else
+    e.above_floor = resolved(e.position_max, epsilon * position_scale, 0);
+  return e;
+}
+
+}  // namespace polhode

@@ -1,0 +1,137 @@
+// From a scene (run-time data) to a model (a type that holds only what the scene has): the one place where
+// the decision is made. `with_model(scene, f)` calls f with the smallest model of the scene.
+#pragma once
+#include <utility>
+
+#include "models/body.hpp"
+#include "models/scene.hpp"
+
+namespace polhode {
+
+template <class S>
+using BodyTorque = ConstantTorque<S, Frame::body>;
+template <class S>
+using SpaceTorque = ConstantTorque<S, Frame::space>;
+
+namespace model_parts {
+
+template <class S, class Load>
+auto make_load(const RotationData& r) {
+  if constexpr (std::is_same_v<Load, Free<S>>) {
+    return Load{};
+  } else if constexpr (std::is_same_v<Load, SeveralTorques<S>>) {
+    Load load;
+    for (const auto& l : r.loads) load.loads.push_back(cast_load<S>(l));
+    return load;
+  } else {
+    return std::get<Load>(cast_load<S>(r.loads.front()));
+  }
+}
+
+template <class S, template <class> class LoadT, Shape shape = Shape::triaxial,
+          AttitudePart attitude = AttitudePart::integrated>
+Rotation<S, LoadT, shape, attitude> make_rotation(const RotationData& r) {
+  return {r.moments.template cast<S>(), make_load<S, LoadT<S>>(r)};
+}
+
+template <class S>
+Translation<S, Forces> make_forced(const TranslationData& t) {
+  return {S(t.mass), {t.acceleration.template cast<S>(), S(t.drag) / S(t.mass)}};
+}
+template <class S>
+Translation<S, NoForce> make_unforced(const TranslationData& t) {
+  return {S(t.mass), {}};
+}
+
+template <class S, class R, class T>
+Model<S, R, T> make_model(const Scene& scene, R rotation, T translation) {
+  Model<S, R, T> m{std::move(rotation), std::move(translation), {}};
+  if constexpr (R::has_attitude) {
+    // Normalised in S: the doubles of the scene are the problem, their norm is part of reading it.
+    const QuaternionT<S> q = normalised<S>(scene.rotation->q0.template cast<S>());
+    m.initial[0] = q.w();
+    m.initial[1] = q.x();
+    m.initial[2] = q.y();
+    m.initial[3] = q.z();
+  }
+  if constexpr (R::present)
+    for (int i = 0; i < 3; ++i) m.initial[static_cast<std::size_t>(R::w_at + i)] = S(scene.rotation->w0[i]);
+  if constexpr (T::present)
+    for (int i = 0; i < 3; ++i) {
+      m.initial[static_cast<std::size_t>(R::size + i)] = S(scene.translation->p0[i]);
+      m.initial[static_cast<std::size_t>(R::size + 3 + i)] = S(scene.translation->v0[i]);
+    }
+  return m;
+}
+
+}  // namespace model_parts
+
+/// Calls f(model) with the smallest model of the scene and returns what f returns.
+/// One torque alone has a type of its own; rarer mixtures share the general list of loads.
+template <class F>
+decltype(auto) with_model(const Scene& scene, F&& f) {
+  using namespace model_parts;
+  using S = double;
+  constexpr auto sphere = Shape::spherical;
+  constexpr auto rates = AttitudePart::absent;
+  const auto call = [&](auto rotation, auto translation) -> decltype(auto) {
+    return f(make_model<S>(scene, std::move(rotation), std::move(translation)));
+  };
+  const auto& t = scene.translation;
+  if (!scene.rotation)
+    return t->has_force ? call(NoRotation{}, make_forced<S>(*t)) : call(NoRotation{}, make_unforced<S>(*t));
+
+  const RotationData& r = *scene.rotation;
+  const bool round = r.moments.x() == r.moments.y() && r.moments.y() == r.moments.z();
+  const bool free = r.loads.empty();
+  if (!r.attitude)
+    return free ? call(make_rotation<S, Free, Shape::triaxial, rates>(r), NoTranslation{})
+                : call(make_rotation<S, SeveralTorques, Shape::triaxial, rates>(r), NoTranslation{});
+  if (t) {
+    const auto translated = [&](auto rotation) -> decltype(auto) {
+      return t->has_force ? call(rotation, make_forced<S>(*t)) : call(rotation, make_unforced<S>(*t));
+    };
+    if (round)
+      return free ? translated(make_rotation<S, Free, sphere>(r))
+                  : translated(make_rotation<S, SeveralTorques, sphere>(r));
+    return free ? translated(make_rotation<S, Free>(r)) : translated(make_rotation<S, SeveralTorques>(r));
+  }
+  if (round)
+    return free ? call(make_rotation<S, Free, sphere>(r), NoTranslation{})
+                : call(make_rotation<S, SeveralTorques, sphere>(r), NoTranslation{});
+  if (free) return call(make_rotation<S, Free>(r), NoTranslation{});
+  if (r.loads.size() > 1) return call(make_rotation<S, SeveralTorques>(r), NoTranslation{});
+  switch (r.loads.front().index()) {
+    case 0:
+      return call(make_rotation<S, GravityAboutPivot>(r), NoTranslation{});
+    case 1:
+      return call(make_rotation<S, AngularDrag>(r), NoTranslation{});
+    case 2:
+      return call(make_rotation<S, AttitudeSpring>(r), NoTranslation{});
+    case 3:
+      return call(make_rotation<S, BodyTorque>(r), NoTranslation{});
+    case 4:
+      return call(make_rotation<S, SpaceTorque>(r), NoTranslation{});
+    default:
+      return call(make_rotation<S, GravityGradient>(r), NoTranslation{});
+  }
+}
+
+/// The same scene in number type S with the general types alone: fewer instances where speed is not the
+/// matter.
+template <class S, class F>
+decltype(auto) with_general_model(const Scene& scene, F&& f) {
+  using namespace model_parts;
+  const auto& t = scene.translation;
+  const auto call = [&](auto rotation, auto translation) -> decltype(auto) {
+    return f(make_model<S>(scene, std::move(rotation), std::move(translation)));
+  };
+  if (!scene.rotation) return call(NoRotation{}, make_forced<S>(*t));
+  const RotationData& r = *scene.rotation;
+  if (!r.attitude)
+    return call(make_rotation<S, SeveralTorques, Shape::triaxial, AttitudePart::absent>(r), NoTranslation{});
+  return t ? call(make_rotation<S, SeveralTorques>(r), make_forced<S>(*t))
+           : call(make_rotation<S, SeveralTorques>(r), NoTranslation{});
+}
+
+}  // namespace polhode

@@ -1,0 +1,80 @@
+// A scene: what is to be simulated, as run-time data resolved to the doubles that every solver receives.
+//
+// A scene is a particle part and a rotation part, each optional. It is read from a TOML file (format:
+// README); the built-in ones are files of the same format in models/scenes. Mass properties are reduced to
+// principal axes here, once, in double: the truth solves exactly the problem that these doubles state.
+#pragma once
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "models/attitude.hpp"
+#include "models/loads.hpp"
+
+namespace polhode {
+
+/// The rotation of the body, in its principal frame ("_B" below).
+struct RotationData {
+  Vec3 moments;  // principal moments [kg m^2], about the pivot if about_pivot
+  Quaternion principal_to_user{1, 0, 0,
+                               0};  // turns principal into user body components; identity if given principal
+  Quaternion q0{1, 0, 0, 0};        // principal -> space, as given: not normalised
+  Vec3 w0 = Vec3::Zero();           // rad/s, principal components
+  std::vector<AnyTorque<double>> loads;  // in principal components
+  bool attitude = true;                  // false: body rates alone
+  bool about_pivot = false;              // held at the space origin
+};
+
+/// The motion of the centre of mass, in space components.
+struct TranslationData {
+  double mass = 1;  // kg
+  Vec3 p0 = Vec3::Zero(), v0 = Vec3::Zero();
+  Vec3 acceleration = Vec3::Zero();  // sum of the gravity loads, m/s^2
+  double drag = 0;                   // sum of the linear drag coefficients b, kg/s
+  bool has_force = false;
+};
+
+/// The parameter of one load that a stability study varies.
+struct StiffParameter {
+  std::size_t load = 0;        // index into RotationData::loads
+  std::string key;             // "stiffness", "damping" or "coefficients"
+  int component = 0;           // of coefficients
+  std::vector<double> values;  // to be tried, increasing
+};
+
+struct Scene {
+  std::string id;              // file name without ".toml"
+  std::filesystem::path file;  // where it was read
+  std::string title, source;
+  std::string variant;  // "" as read; what with_stiff_value changed
+  double duration = 0;  // s
+  std::optional<RotationData> rotation;
+  std::optional<TranslationData> translation;
+  std::optional<StiffParameter> stiff;
+  std::vector<std::string> notes;     // what its reader should know, a sentence each; usually none
+  std::vector<std::string> left_out;  // what the equations do without, a phrase each ("no translation: ...")
+  int unknowns = 0;                   // of the smallest model: length of the state vector
+
+  /// The scene with its stiff parameter set to a value; needs `stiff`.
+  Scene with_stiff_value(double value) const;
+};
+
+/// Reads and checks a scene file. Throws InputError with file, line, key, what was found and what is needed.
+Scene read_scene(const std::filesystem::path& file);
+
+/// A built-in scene by id, or a scene file by path (anything with a '/' or ending in ".toml"). An id that
+/// does not exist throws UsageError with the nearest one; a path that cannot be read throws InputError.
+Scene find_scene(const std::string& id_or_path);
+
+/// Ids of the built-in scenes, sorted.
+std::vector<std::string> builtin_scene_ids();
+
+/// Folder of files that belong to the program: `share/polhode/NAME` beside the folder of the binary, as
+/// installed and as built alike. Throws MissingError if there is none.
+std::filesystem::path data_folder(const std::string& name);
+
+/// The valid name nearest to a misspelt one (edit distance), or "" if none is near.
+std::string nearest_name(const std::string& name, const std::vector<std::string>& valid);
+
+}  // namespace polhode

@@ -1,0 +1,168 @@
+// Reads a result folder and gives every solver its look.
+//
+// Colour tells the stem of the id (`odeint-dopri5` and `odeint-rk4` share one), shade, dash and mark tell the
+// variant. All follow the order of solvers.csv, so that no list of solvers is needed here and colours agree
+// between figures.
+#include "reports/results.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "reports/words.hpp"
+
+namespace polhode::report {
+namespace {
+
+// Hues that stay apart under the common colour-vision deficiencies, dark enough for thin lines on white.
+// Source: Okabe & Ito, Color Universal Design (2008), darkened where needed; Tol, SRON/EPS/TN/09-002.
+constexpr std::array<unsigned, 9> palette = {0xD55E00, 0xC28A00, 0x0072B2, 0x009E73, 0x8E4EA6,
+                                             0xA3224D, 0x2FA4CF, 0x7C7A1C, 0x555555};
+constexpr std::array<int, 6> filled_marks = {7, 5, 9, 11, 13, 15};
+
+std::string shaded(unsigned rgb, int variant) {
+  const double amount = std::array{0.0, -0.32, 0.34}[static_cast<std::size_t>(variant % 3)];
+  const auto channel = [&](int shift) {
+    const double c = (rgb >> shift) & 0xFF;
+    return static_cast<int>(std::lround(amount < 0 ? c * (1 + amount) : c + (255 - c) * amount));
+  };
+  return fmt::format("#{:02x}{:02x}{:02x}", channel(16), channel(8), channel(0));
+}
+
+std::string stem_of(const std::string& id) {
+  std::string stem = id.substr(0, id.find('-'));
+  while (stem.size() > 1 && stem.back() >= '0' && stem.back() <= '9') stem.pop_back();
+  return stem;
+}
+
+std::map<std::string, Mark> marks_of(const std::vector<std::string>& solvers) {
+  std::map<std::string, Mark> marks;
+  std::vector<std::pair<std::string, int>> stems;  // with the number of variants so far
+  for (const std::string& id : solvers) {
+    const std::string stem = stem_of(id);
+    auto found = std::find_if(stems.begin(), stems.end(), [&](const auto& s) { return s.first == stem; });
+    if (found == stems.end()) found = stems.insert(stems.end(), {stem, 0});
+    const auto n = static_cast<std::size_t>(found - stems.begin());
+    const int variant = found->second++;
+    Mark mark;
+    mark.colour = shaded(palette[n % palette.size()], variant);
+    mark.filled =
+        filled_marks[(static_cast<std::size_t>(variant) + n / palette.size()) % filled_marks.size()];
+    mark.dash = variant / 3 % 2 == 0 ? 1 : 2;
+    marks.emplace(id, mark);
+  }
+  return marks;
+}
+
+void append_new(std::vector<std::string>& list, std::set<std::string>& seen, const std::string& value) {
+  if (!value.empty() && seen.insert(value).second) list.push_back(value);
+}
+
+}  // namespace
+
+std::string Quantity::with_unit(std::string_view value) const {
+  return unit.empty() ? std::string(value) : fmt::format("{} {}", value, unit);
+}
+
+std::vector<std::size_t> Results::rows_of(const CsvTable& table, std::string_view scene) {
+  std::vector<std::size_t> rows;
+  for (std::size_t i = 0; i < table.rows(); ++i)
+    if (table.text(i, "scene") == scene) rows.push_back(i);
+  return rows;
+}
+
+std::vector<std::string> Results::solvers_in(const CsvTable& table, std::string_view scene) const {
+  std::set<std::string> there;
+  for (const std::size_t i : rows_of(table, scene)) there.insert(table.text(i, "solver"));
+  std::vector<std::string> out;
+  for (const std::string& id : solvers)
+    if (there.count(id)) out.push_back(id);
+  return out;
+}
+
+Quantity Results::quantity_of(const CsvTable& table, std::string_view scene) const {
+  static const std::array<Quantity, 5> candidates = {
+      {{"attitude_error_max_rad", "attitude error", "rad"},
+       {"rate_error_max_rel", "relative rate error", ""},
+       {"position_error_max_m", "position error", "m"},
+       {"energy_error_max_rel", "relative energy error", ""},
+       {"momentum_error_max_rel", "relative momentum error", ""}}};
+  const auto rows = rows_of(table, scene);
+  for (const Quantity& q : candidates)
+    for (const std::size_t i : rows)
+      if (std::isfinite(table.number(i, q.column))) return q;
+  return candidates.front();
+}
+
+bool Results::drift_quantity_is_total(std::string_view scene) const {
+  for (const std::size_t i : rows_of(drift, scene))
+    if (std::isfinite(drift.number(i, "rotational_energy_drift_rel"))) return false;
+  return true;
+}
+
+Results read_results(const std::filesystem::path& folder) {
+  Results r;
+  const auto read = [&](const char* name) {
+    if (std::filesystem::exists(folder / name)) r.files.emplace_back(name);
+    return read_csv(folder / name);
+  };
+  r.work_precision = read("work_precision.csv");
+  r.convergence = read("convergence.csv");
+  r.orders = read("orders.csv");
+  r.drift = read("drift.csv");
+  r.drift_verdict = read("drift_verdict.csv");
+  r.stability = read("stability.csv");
+  r.solver_table = read("solvers.csv");
+  const CsvTable scene_table = read("scenes.csv");
+  for (const char* name : {"trajectory.csv", "bench.csv", "run.json", "datapackage.json"})
+    if (std::filesystem::exists(folder / name)) r.files.emplace_back(name);
+
+  std::vector<std::string> scene_ids, all;
+  std::set<std::string> seen_scenes, seen_solvers, used;
+  for (std::size_t i = 0; i < scene_table.rows(); ++i)
+    append_new(scene_ids, seen_scenes, scene_table.text(i, "scene"));
+  for (std::size_t i = 0; i < r.solver_table.rows(); ++i)
+    append_new(all, seen_solvers, r.solver_table.text(i, "solver"));
+  for (const CsvTable* t :
+       {&r.work_precision, &r.convergence, &r.orders, &r.drift, &r.drift_verdict, &r.stability})
+    for (std::size_t i = 0; i < t->rows(); ++i) {
+      append_new(scene_ids, seen_scenes, t->text(i, "scene"));
+      append_new(all, seen_solvers, t->text(i, "solver"));
+      used.insert(t->text(i, "solver"));
+    }
+  // The truth is never drawn, so it takes the last colour.
+  std::vector<std::string> coloured = all;
+  std::set<std::string> truths;
+  for (std::size_t i = 0; i < r.solver_table.rows(); ++i)
+    if (r.solver_table.text(i, "family") == "truth") truths.insert(r.solver_table.text(i, "solver"));
+  std::stable_partition(coloured.begin(), coloured.end(),
+                        [&](const std::string& id) { return !truths.count(id); });
+  r.marks = marks_of(coloured);
+  for (const std::string& id : all)
+    if (used.count(id)) r.solvers.push_back(id);
+
+  std::set<std::string> names;
+  for (const std::string& id : scene_ids) {
+    SceneCard card;
+    card.id = id;
+    for (const std::size_t i : Results::rows_of(scene_table, id)) {
+      card.title = scene_table.text(i, "title");
+      card.left_out = scene_table.text(i, "left_out");
+      card.truth = scene_table.text(i, "truth");
+      card.unknowns = scene_table.text(i, "unknowns");
+      card.duration = scene_table.number(i, "duration_s");
+      card.truth_uncertainty = scene_table.number(i, "truth_uncertainty_rad");
+      card.floor = scene_table.number(i, "floor_attitude_rad");
+    }
+    card.file = file_name_of(id);
+    for (int n = 2; !names.insert(card.file).second; ++n)
+      card.file = fmt::format("{}-{}", file_name_of(id), n);
+    r.scenes.push_back(card);
+  }
+  return r;
+}
+
+}  // namespace polhode::report

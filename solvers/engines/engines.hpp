@@ -1,0 +1,19 @@
+// Engines: other programs' integrators, each built as a module of its own (bullet.cpp and so on in this
+// folder).
+//
+// A module exports one C function, `polhode_engine_rows`, that hands out its rows. It is opened with
+// RTLD_LOCAL, because two builds of one engine (single and double precision) share their symbol names.
+#pragma once
+#include <vector>
+
+#include "solvers/registry.hpp"
+
+namespace polhode {
+
+/// Opens every module of engines.def that is there; those that are not come back with what is missing.
+std::vector<EngineStatus> load_engines();
+
+using EngineRows = const MethodRows* (*)();
+constexpr const char* engine_entry = "polhode_engine_rows";
+
+}  // namespace polhode

@@ -1,0 +1,44 @@
+// The truth of a scene: the same equations in 50 digits, by Taylor series of high order, run twice.
+#pragma once
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "models/scene.hpp"
+#include "models/wide.hpp"
+#include "solvers/method.hpp"
+
+namespace polhode {
+
+/// The exact state at one time, in the principal frame.
+struct WideSample {
+  Wide t{};
+  QuaternionT<Wide> q{Wide(1), Wide(0), Wide(0), Wide(0)};
+  Vec3T<Wide> w_B = Vec3T<Wide>::Zero(), p = Vec3T<Wide>::Zero(), v = Vec3T<Wide>::Zero(),
+              L = Vec3T<Wide>::Zero();
+  Wide rotational_energy{}, total_energy{};
+};
+
+/// The exact solution at asked times, and how certain it is.
+struct Truth {
+  std::vector<WideSample> samples;
+  std::string kind;                 // how it was found, in words
+  double attitude_uncertainty = 0;  // rad, largest over the samples: difference of two runs of other accuracy
+  double rate_uncertainty = 0;      // relative, likewise
+  std::int64_t steps = 0;           // of the more accurate run
+  double cost_s = 0;                // thread time of both runs
+};
+
+/// Solves the scene at the given times (increasing, >= 0).
+///
+/// The more accurate of two runs is returned: order 48 with local terms below 1e-43 of the state, against
+/// order 40 and 1e-36; the largest difference between them is the stated uncertainty. throws   Error with
+/// exit code 70 if a run does not end (a rate so stiff that an explicit series cannot follow)
+Truth reference_solution(const Scene& scene, std::span<const double> times);
+
+/// One run in 50 digits at modest accuracy (1e-24 a step): for a neighbour of a scene, to measure its
+/// conditioning.
+std::vector<WideSample> perturbed_solution(const Scene& scene, std::span<const double> times);
+
+}  // namespace polhode

@@ -1,0 +1,305 @@
+// The report: what it reads, what it says, and what it must never do (hide a failed run, let text become
+// markup, write a path of this machine into a script). Drawing needs gnuplot; every test here holds with and
+// without it.
+#include "reports/report.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+
+#include "reports/csv.hpp"
+#include "reports/figures.hpp"
+#include "reports/findings.hpp"
+#include "reports/words.hpp"
+
+namespace polhode::report {
+namespace {
+
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+constexpr const char* work_header =
+    "scene,solver,knob,knob_value,outcome,steps,rejected_steps,rhs_evals,jacobian_evals,attitude_error_max_"
+    "rad,"
+    "rate_error_max_rel,energy_error_max_rel,momentum_error_max_rel,unit_defect_max,time_min_s,time_median_s,"
+    "time_mad_s,repeats,above_floor\n";
+
+std::string work_row(const std::string& scene, const std::string& solver, int steps, const std::string& error,
+                     const std::string& time, const std::string& outcome = "ok", int above = 1) {
+  std::ostringstream row;
+  row << scene << ',' << solver << ",steps," << steps << ',' << outcome << ',' << steps << ",0," << 4 * steps
+      << ",0," << error << ",,,,," << time << ',' << time << ",0,3," << above << '\n';
+  return row.str();
+}
+
+std::string contents(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// A result folder that disappears with the test.
+class Report : public ::testing::Test {
+ protected:
+  Report() {
+    std::string pattern = (std::filesystem::temp_directory_path() / "polhode-report-XXXXXX").string();
+    folder_ = mkdtemp(pattern.data());
+  }
+  ~Report() override {
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+
+  void put(const std::string& name, const std::string& text) {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
+  std::string page() {
+    outcome_ = write_report(folder_);
+    return contents(folder_ / "index.html");
+  }
+
+  std::filesystem::path folder_;
+  ReportOutcome outcome_;
+};
+
+TEST(Csv, QuotedFieldsHoldCommasQuotesAndLineBreaks) {
+  const CsvTable t = parse_csv("a,b,c\r\n\"x, y\",\"say \"\"hi\"\"\",\"two\nlines\"\r\n1e-3,,last");
+  ASSERT_EQ(t.rows(), 2u);
+  EXPECT_EQ(t.text(0, "a"), "x, y");
+  EXPECT_EQ(t.text(0, "b"), "say \"hi\"");
+  EXPECT_EQ(t.text(0, "c"), "two\nlines");
+  EXPECT_EQ(t.number(1, "a"), 1e-3);
+  EXPECT_EQ(t.text(1, "c"), "last");
+}
+
+TEST(Csv, WhatIsNoNumberIsNan) {
+  const CsvTable t = parse_csv("x\n1e-3x\n\"\"\n1e-400\n-2.5e-300\n");
+  EXPECT_TRUE(std::isnan(t.number(0, "x")));
+  EXPECT_TRUE(std::isnan(t.number(0, "absent")));
+  // The second record is one empty field, which RFC 4180 writers produce for an empty cell; blank records are
+  // skipped.
+  EXPECT_EQ(t.number(1, "x"), 0.0);  // below the smallest double
+  EXPECT_EQ(t.number(2, "x"), -2.5e-300);
+}
+
+TEST(Csv, AMissingFileIsAnEmptyTable) { EXPECT_TRUE(read_csv("/no/such/folder/table.csv").empty()); }
+
+TEST(Words, NumbersReadLikeAPaper) {
+  EXPECT_EQ(pretty_number(1e-8), "10⁻⁸");
+  EXPECT_EQ(pretty_number(3.21e-9), "3.21·10⁻⁹");
+  EXPECT_EQ(pretty_number(9.999e-9), "10⁻⁸");
+  EXPECT_EQ(pretty_number(1000), "1000");
+  EXPECT_EQ(pretty_number(0), "0");
+  EXPECT_EQ(pretty_time(1.234e-5), "12.3 µs");
+  EXPECT_EQ(pretty_time(0.9999e-3), "1 ms");
+  EXPECT_EQ(file_name_of("../Heavy top/<1>"), "heavy-top-1");
+  EXPECT_EQ(file_name_of("///"), "scene");
+}
+
+TEST(Findings, CostIsInterpolatedInLogarithms) {
+  // Error 1e-2 at 1 s and 1e-6 at 100 s: on the straight line between, 1e-4 costs 10 s.
+  EXPECT_NEAR(*cost_at({{1e-6, 100}, {1e-2, 1}}, 1e-4), 10, 1e-12);
+  // The cheapest run is there already.
+  EXPECT_EQ(*cost_at({{1e-6, 100}, {1e-2, 1}}, 1e-1), 1);
+  EXPECT_FALSE(cost_at({{1e-6, 100}, {1e-2, 1}}, 1e-7).has_value());
+  EXPECT_FALSE(cost_at({{NAN, 1}, {1e-9, NAN}}, 1e-4).has_value());
+  // An error of exactly zero reaches every level, at a finite cost within its run.
+  const auto cost = cost_at({{1e-2, 1}, {0, 100}}, 1e-8);
+  ASSERT_TRUE(cost.has_value());
+  EXPECT_GT(*cost, 1);
+  EXPECT_LE(*cost, 100);
+}
+
+TEST(Findings, OrdersAreMetWithinTheirBand) {
+  EXPECT_TRUE(order_met(4, 4.1, 0.01));
+  EXPECT_FALSE(order_met(4, 3.8, 0.01));
+  EXPECT_TRUE(order_met(4, 3.8, 0.11));  // twice its own error
+}
+
+TEST_F(Report, AnEmptyFolderSaysSo) {
+  EXPECT_THAT(page(), HasSubstr("no run has been kept"));
+  EXPECT_EQ(outcome_.figures, 0);
+}
+
+TEST_F(Report, TablesWithOnlyAHeaderSaySo) {
+  put("work_precision.csv", work_header);
+  put("drift.csv", "scene,solver,knob,knob_value,t_s,rotational_energy_drift_rel\n");
+  put("orders.csv", "");
+  put("run.json", "{ not json");
+  const std::string html = page();
+  EXPECT_THAT(html, HasSubstr("no run has been kept"));
+  EXPECT_THAT(html, HasSubstr("is not JSON"));
+}
+
+TEST_F(Report, TheVerdictNamesTheCheapestSolver) {
+  put("work_precision.csv",
+      std::string(work_header) + work_row("box", "slow", 10, "1e-3", "1e-3") +
+          work_row("box", "slow", 100, "1e-9", "1e-1") + work_row("box", "quick", 10, "1e-3", "1e-5") +
+          work_row("box", "quick", 100, "1e-9", "1e-3") + work_row("box", "crude", 10, "1e-1", "1e-7"));
+  const std::string html = page();
+  // On the line from (1e-3, 1e-5 s) to (1e-9, 1e-3 s), 1e-8 lies 5/6 of the way: 10^(-5 + 2*5/6) s = 464 µs.
+  EXPECT_THAT(html,
+              HasSubstr("At 10⁻⁸ rad, quick is the cheapest of 3 solvers: 464 µs; slow needs 100 times that. "
+                        "1 of 3 did not get there."));
+  EXPECT_THAT(html, HasSubstr("quick</span> <strong>464 µs</strong>"));
+}
+
+TEST_F(Report, DriftIsRankedOverTheWholeTimeOnly) {
+  put("drift.csv",
+      "scene,solver,knob,knob_value,t_s,rotational_energy_drift_rel\n"
+      "box,good,steps,10,1,1e-9\nbox,good,steps,10,100,-2e-9\nbox,poor,steps,10,100,0.5\nbox,gone,steps,10,1,"
+      "1e-15\n");
+  EXPECT_THAT(page(),
+              HasSubstr("Over 100 s, good keeps the rotational energy best, within 2·10⁻⁹; poor misses it by "
+                        "up to 0.5. 1 run ended before that time."));
+}
+
+TEST_F(Report, NobodyIsRankedBelowTheFloor) {
+  put("scenes.csv",
+      "scene,title,duration_s,unknowns,left_out,truth_uncertainty_rad,floor_attitude_rad\nbox,Box,1,7,,1e-9,"
+      "1e-7\n");
+  put("work_precision.csv", std::string(work_header) + work_row("box", "rk4", 10, "1e-3", "1e-3") +
+                                work_row("box", "rk4", 100, "1e-9", "1e-1"));
+  const std::string html = page();
+  EXPECT_THAT(html, HasSubstr("below the rounding floor"));
+  EXPECT_THAT(html, HasSubstr("rk4 alone was run here: it reaches 10⁻⁶ rad"));
+}
+
+TEST_F(Report, FailedRunsStayOnThePage) {
+  put("work_precision.csv", std::string(work_header) + work_row("box", "rk4", 10, "1e-3", "1e-3") +
+                                work_row("box", "euler", 10, "", "", "not_finite") +
+                                work_row("box", "euler", 20, "", "", "not_finite") +
+                                work_row("box", "cvode-bdf", 10, "", "", "unsupported"));
+  put("drift_verdict.csv",
+      "scene,solver,knob,knob_value,quantity,class,exponent,exponent_error\n"
+      "box,gone,steps,10,momentum,timeout,,\n");
+  const std::string html = page();
+  EXPECT_THAT(html, HasSubstr("not finite</span></td><td>steps 10, 20</td>"));
+  EXPECT_THAT(html, HasSubstr("cvode-bdf"));
+  EXPECT_THAT(html, HasSubstr("unsupported"));
+  EXPECT_THAT(html, HasSubstr("timeout"));
+  EXPECT_THAT(html, HasSubstr("3 of 4"));
+}
+
+TEST_F(Report, TextNeverBecomesMarkup) {
+  put("scenes.csv",
+      "scene,title,duration_s,unknowns,left_out,truth_uncertainty_rad,floor_attitude_rad\n"
+      "box,\"<script>alert('1')</script> & \"\"co\"\"\",1,7,<b>,,\n");
+  put("work_precision.csv", std::string(work_header) + work_row("box", "<i>x</i>", 10, "1e-3", "1e-3") +
+                                work_row("box", "<i>x</i>", 20, "", "", "<u>"));
+  put("solvers.csv", "solver,family,order,source,version,summary\n<i>x</i>,<s>,4,<em>,<q>,<h1>\n");
+  put("orders.csv", "scene,solver,quantity,claimed,order,order_error,points\nbox,<i>x</i>,<a>,4,4,0,3\n");
+  put("stability.csv",
+      "scene,solver,parameter,parameter_value,h_s,outcome,largest_stable_h_s,theory_h_s,energy_growth_per_"
+      "step\n"
+      "box,<i>x</i>,<p>k,<p>1,,ok,1,1,\n");
+  put("run.json", R"({"cpu": "<img src=x>", "<k>": {"<l>": ["<m>"]}})");
+  const std::string html = page();
+  for (const char* tag : {"<script", "<i>", "<b>", "<u>", "<s>", "<em>", "<q>", "<h1>x", "<a>", "<p>k",
+                          "<p>1", "<img src=x", "<k>", "<l>", "<m>"})
+    EXPECT_THAT(html, Not(HasSubstr(tag)));
+  EXPECT_THAT(html, HasSubstr("&lt;script&gt;alert(&#39;1&#39;)&lt;/script&gt; &amp; &quot;co&quot;"));
+}
+
+TEST_F(Report, ScriptsHoldRelativePathsOnly) {
+  put("work_precision.csv", std::string(work_header) +
+                                work_row("/tmp/my scene.toml", "it's", 10, "1e-3", "1e-3") +
+                                work_row("/tmp/my scene.toml", "it's", 20, "1e-4", "2e-3"));
+  page();
+  const std::string script = contents(folder_ / "figures/work-precision-tmp-my-scene-toml.gp");
+  EXPECT_THAT(script, HasSubstr("plot 'work_precision.csv'"));
+  EXPECT_THAT(script, HasSubstr("set output 'figures/work-precision-tmp-my-scene-toml.svg'"));
+  EXPECT_THAT(script, HasSubstr("mine('it''s')"));
+  EXPECT_THAT(script, Not(HasSubstr(folder_.string())));
+}
+
+TEST_F(Report, EveryFigureIsDrawnOrANoteSaysWhyNot) {
+  put("work_precision.csv", std::string(work_header) + work_row("box", "rk4", 10, "1e-3", "1e-3") +
+                                work_row("box", "rk4", 20, "1e-300", "2e-3") +
+                                work_row("box", "one", 20, "0", "2e-3") +
+                                work_row("box", "hollow", 20, "1e-9", "2e-3", "ok", 0));
+  put("convergence.csv",
+      "scene,solver,steps,h_s,outcome,attitude_error_max_rad,above_floor\nbox,rk4,10,0.1,ok,1e-3,1\n"
+      "box,rk4,20,0.05,ok,0,0\nbox,euler,10,0.1,not_finite,,\nbox,only-zero,10,0.1,ok,0,1\n");
+  put("drift.csv",
+      "scene,solver,knob,knob_value,t_s,attitude_error_rad,rotational_energy_drift_rel,momentum_drift_rel\n"
+      "box,rk4,steps,10,0,0,0,0\nbox,rk4,steps,10,1,1e-5,-1e-9,1e-300\nbox,rk4,steps,10,2,1e-5,1e300,1e-300\n"
+      "box,rk4,rtol,1e-8,2,1e-5,0,0\n");
+  put("stability.csv",
+      "scene,solver,parameter,parameter_value,h_s,outcome,largest_stable_h_s,theory_h_s,energy_growth_per_"
+      "step\n"
+      "box,rk4,coefficients[1],10,0.3,diverged,0.278,0.2785,2\nbox,dirk,coefficients[1],10,,ok,5,,\n"
+      "box,none,coefficients[1],10,,unsupported,,,\n");
+  page();
+  int scripts = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "figures"))
+    scripts += entry.path().extension() == ".gp";
+  // Work, evaluations, convergence, energy drift, stability; the momentum has nothing but noise below any
+  // axis.
+  EXPECT_EQ(scripts, 5);
+  if (outcome_.figures == scripts) {
+    EXPECT_THAT(contents(folder_ / "figures/work-precision-box.svg"), HasSubstr("</svg>"));
+  } else {
+    ASSERT_FALSE(outcome_.notes.empty());
+    EXPECT_THAT(outcome_.notes.front(), HasSubstr("gnuplot"));
+    EXPECT_THAT(outcome_.notes.front(), Not(HasSubstr("could not draw")));
+  }
+}
+
+TEST_F(Report, WithoutGnuplotTheScriptsAndANoteRemain) {
+  put("work_precision.csv", std::string(work_header) + work_row("box", "rk4", 10, "1e-3", "1e-3"));
+  const char* path = getenv("PATH");
+  const std::string before = path ? path : "";
+  setenv("PATH", folder_.c_str(), 1);
+  const std::string html = page();
+  setenv("PATH", before.c_str(), 1);
+  EXPECT_EQ(outcome_.figures, 0);
+  ASSERT_EQ(outcome_.notes.size(), 1u);
+  EXPECT_THAT(outcome_.notes.front(), HasSubstr("gnuplot is not installed"));
+  EXPECT_THAT(html, HasSubstr("gnuplot figures/work-precision-box.gp"));
+  EXPECT_TRUE(std::filesystem::exists(folder_ / "figures/evaluations-box.gp"));
+}
+
+TEST_F(Report, AnErrorOfZeroSitsOnTheLowerEndWithAMark) {
+  put("work_precision.csv", std::string(work_header) + work_row("box", "rk4", 10, "1e-3", "1e-3") +
+                                work_row("box", "rk4", 20, "0", "2e-3"));
+  const std::vector<Figure> figures = figures_of(read_results(folder_));
+  ASSERT_FALSE(figures.empty());
+  EXPECT_THAT(figures.front().script, HasSubstr("set yrange [0.001:0.01]"));
+  EXPECT_THAT(figures.front().script, HasSubstr("shown(y) = y < 0.001 ? 0.001 : y"));
+  EXPECT_THAT(figures.front().script, HasSubstr("pointtype 11 pointsize 1.2"));
+}
+
+TEST_F(Report, ASolverLooksTheSameInEveryFolderOfOneRegistry) {
+  const std::string registry =
+      "solver,family,order,source,version,summary\neuler,c,1,,,\nrk4,c,4,,,\nrk4-matrix,c,4,,,\nreference,"
+      "truth,,,,\n";
+  put("solvers.csv", registry);
+  put("work_precision.csv", std::string(work_header) + work_row("box", "rk4-matrix", 10, "1e-3", "1e-3"));
+  const Mark alone = read_results(folder_).marks.at("rk4-matrix");
+  put("work_precision.csv", std::string(work_header) + work_row("box", "euler", 10, "1e-3", "1e-3") +
+                                work_row("box", "rk4-matrix", 10, "1e-3", "1e-3"));
+  const Results together = read_results(folder_);
+  EXPECT_EQ(together.marks.at("rk4-matrix").colour, alone.colour);
+  EXPECT_EQ(together.marks.at("rk4-matrix").filled, alone.filled);
+  EXPECT_NE(together.marks.at("rk4-matrix").colour, together.marks.at("rk4").colour);
+}
+
+TEST_F(Report, WhatCannotBeWrittenIsAnErrorWithItsPath) {
+  std::filesystem::create_directory(folder_ / "index.html");
+  try {
+    write_report(folder_);
+    FAIL() << "a folder was written as a file";
+  } catch (const std::runtime_error& error) {
+    EXPECT_THAT(error.what(), HasSubstr("index.html"));
+  }
+}
+
+}  // namespace
+}  // namespace polhode::report
