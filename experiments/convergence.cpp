@@ -78,7 +78,7 @@ std::vector<Table> convergence(const Plan& plan) {
       const Trajectory run =
           run_once(method, scene, setting_of(plan.options, Knob::steps), grid_of_steps(times, rung.steps));
       rung.outcome = run.outcome;
-      if (run.outcome == Outcome::ok) rung.errors = errors_of(scene, *truth, run.samples, 1);
+      if (run.outcome == Outcome::ok) rung.errors = errors_of(scene, *truth, run.samples, 1, method.epsilon);
     });
     if (interrupted()) break;  // a scene is reported whole or not at all
     for (std::size_t m = 0; m < methods.size(); ++m) {
@@ -118,8 +118,9 @@ std::vector<Table> convergence(const Plan& plan) {
         rows.add(std::move(row));
       }
       if (!scene.rotation) continue;
-      const auto fit = [&](const char* quantity, double claimed, double Errors::*error, double floor,
-                           double coarse) {
+      const auto fit = [&](const char* quantity, double claimed, double Errors::*error, double floor) {
+        // A solver that claims order 0 converges to another motion: its errors stay large, and are no less certain.
+        const double coarse = claimed == 0 ? std::numeric_limits<double>::infinity() : 0.1;
         std::vector<double> h, e;
         for (const Rung& r : ladder) {
           h.push_back(scene.duration / double(r.steps));
@@ -131,17 +132,16 @@ std::vector<Table> convergence(const Plan& plan) {
                     line ? Cell(line->slope_error) : Cell(), std::int64_t{line ? line->points : 0}});
       };
       const Claims& c = methods[m]->claims;
-      // A hundred times the floor: a point at ten times it may be off by a tenth, which bends a slope by
-      // 0.15.
-      const double attitude_floor = 100 * std::max(truth->attitude_floor, truth->truth.attitude_uncertainty);
-      const double rate_floor = 100 * std::max(truth->rate_floor, truth->truth.rate_uncertainty);
+      // A hundred times the floor: a point at ten times it may be off by a tenth, which bends a slope by 0.15.
+      const double margin = 100 * methods[m]->epsilon / std::numeric_limits<double>::epsilon();
+      const double attitude_floor = margin * std::max(truth->attitude_floor, truth->truth.attitude_uncertainty);
+      const double rate_floor = margin * std::max(truth->rate_floor, truth->truth.rate_uncertainty);
       // Energy and momentum of a run are sums of thousands of rounded numbers.
-      const double sum_floor = 1e-12;
-      if (scene.rotation->attitude)
-        fit("attitude", c.attitude_order, &Errors::attitude_max, attitude_floor, 0.1);
-      fit("rate", c.rate_order, &Errors::rate_max, rate_floor, 0.1);
-      fit("energy", c.energy_order, &Errors::energy_max, sum_floor, 0.1);
-      fit("momentum", c.momentum_order, &Errors::momentum_max, std::max(sum_floor, rate_floor), 0.1);
+      const double sum_floor = margin * 1e-14;
+      if (scene.rotation->attitude) fit("attitude", c.attitude_order, &Errors::attitude_max, attitude_floor);
+      fit("rate", c.rate_order, &Errors::rate_max, rate_floor);
+      fit("energy", c.energy_order, &Errors::energy_max, sum_floor);
+      fit("momentum", c.momentum_order, &Errors::momentum_max, std::max(sum_floor, rate_floor));
     }
   }
   std::vector<Table> tables;

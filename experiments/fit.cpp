@@ -29,12 +29,13 @@ Line fit_line(std::span<const double> x, std::span<const double> y) {
 
 std::optional<Line> observed_order(std::span<const double> h, std::span<const double> error, double floor,
                                    double coarse) {
-  std::optional<Line> best;
+  constexpr double straight = 0.03;
   const auto usable = [&](std::size_t i) {
     return std::isfinite(error[i]) && error[i] > floor && error[i] < coarse;
   };
   for (const std::size_t width : {std::size_t{4}, std::size_t{3}}) {
-    for (std::size_t i = 0; i + width <= h.size(); ++i) {
+    std::optional<Line> best;
+    for (std::size_t i = h.size() + 1 - std::min(width, h.size() + 1); i-- > 0;) {
       std::vector<double> x, y;
       for (std::size_t k = i; k < i + width && usable(k); ++k) {
         x.push_back(std::log(h[k]));
@@ -42,11 +43,12 @@ std::optional<Line> observed_order(std::span<const double> h, std::span<const do
       }
       if (x.size() < width) continue;
       const Line line = fit_line(x, y);
-      if (!best || line.slope_error <= best->slope_error) best = line;
+      if (line.slope_error < straight) return line;
+      if (!best || line.slope_error < best->slope_error) best = line;
     }
     if (best) return best;
   }
-  return best;
+  return std::nullopt;
 }
 
 Drift classify_drift(std::span<const double> t, std::span<const double> d, double resolution) {

@@ -109,7 +109,7 @@ Plan plan_of(const Options& options) {
   }
   if (options.solvers.empty()) {
     for (const Method* m : all_methods())
-      if (m->family != "truth") plan.methods.push_back(m);
+      if (m->family != "truth" && m->in_studies) plan.methods.push_back(m);
   } else {
     plan.methods = select_methods(options.solvers);
   }

@@ -12,7 +12,7 @@ namespace polhode {
 namespace {
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double double_epsilon = std::numeric_limits<double>::epsilon();
 
 std::vector<double> with_zero(std::span<const double> times) {
   std::vector<double> all;
@@ -47,8 +47,8 @@ void conditioning(const Scene& scene, std::span<const double> times, SceneTruth&
   }
   t.conditioning = std::max(attitude_growth, rate_growth);
   // Reading the rates as doubles alone costs half an ulp; a run adds rounding of its own in every step.
-  t.attitude_floor = std::max(epsilon * attitude_growth, 4e-16);
-  t.rate_floor = std::max(epsilon * rate_growth, epsilon);
+  t.attitude_floor = std::max(double_epsilon * attitude_growth, 4e-16);
+  t.rate_floor = std::max(double_epsilon * rate_growth, double_epsilon);
 }
 
 }  // namespace
@@ -82,7 +82,7 @@ double energy_scale(const SceneTruth& truth, bool rotational) {
 }
 
 Errors errors_of(const Scene& scene, const SceneTruth& truth, std::span<const Sample> samples,
-                 std::size_t first) {
+                 std::size_t first, double epsilon) {
   const bool rotates = scene.rotation.has_value(), moves = scene.translation.has_value();
   const bool attitude = rotates && scene.rotation->attitude;
   const bool rotational = rotates && moves;  // free fall must not hide the rotation
@@ -120,15 +120,16 @@ Errors errors_of(const Scene& scene, const SceneTruth& truth, std::span<const Sa
         abs(Wide(Wide(rotational ? s.rotational_energy : s.total_energy) - energy)).convert_to<double>();
     e.energy_max = std::max(e.energy_max, g / scale);
   }
-  const auto resolved = [](double error, double floor, double uncertainty) {
-    return error > 10 * std::max(floor, uncertainty);
+  const double coarser = epsilon / double_epsilon;
+  const auto resolved = [coarser](double error, double floor, double uncertainty) {
+    return error > 10 * std::max(coarser * floor, uncertainty);
   };
   if (attitude)
     e.above_floor = resolved(e.attitude_max, truth.attitude_floor, truth.truth.attitude_uncertainty);
   else if (rotates)
     e.above_floor = resolved(e.rate_max, truth.rate_floor, truth.truth.rate_uncertainty);
   else
-    e.above_floor = resolved(e.position_max, epsilon * position_scale, 0);
+    e.above_floor = resolved(e.position_max, double_epsilon * position_scale, 0);
   return e;
 }
 

@@ -74,7 +74,13 @@ void integrate_fixed(const S& stepper, const M& m, const Setting& setting, const
     const double h = stretch.h;
     for (std::int64_t i = 0; i < stretch.steps;) {
       const std::int64_t until = std::min(stretch.steps, i + steps_per_look);
-      for (; i < until; ++i) y = stepper.step(m, t_start + static_cast<double>(i) * h, h, y);
+      for (; i < until; ++i) {
+        const double t = t_start + static_cast<double>(i) * h;
+        if constexpr (requires { stepper.advance(m, t, h, y); })
+          stepper.advance(m, t, h, y);  // in place: a library's stepper that would have to copy the state
+        else
+          y = stepper.step(m, t, h, y);
+      }
       if (timed && std::chrono::duration<double>(clock::now() - began).count() > setting.timeout_s) {
         out.outcome = Outcome::timeout;
         out.reason = "still running after " + std::to_string(setting.timeout_s) + " s";

@@ -46,7 +46,7 @@ struct MatrixForm {
   /// Momentum and energy are those of the matrix as it is; only the attitude is read off its nearest
   /// rotation.
   template <WithAttitude M>
-  static Sample sample(const M& m, double t, const State<M>& y) {
+  [[gnu::noinline]] static Sample sample(const M& m, double t, const State<M>& y) {
     const Mat3 R = matrix_of(y.data());
     const Vec3 w = w_of(y.data());
     Sample s;

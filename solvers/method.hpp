@@ -114,6 +114,8 @@ struct Method {
   std::string_view id = {}, family = {}, summary = {}, source = {}, version = {};
   bool by_steps = false,
        by_tolerance = false;  // the knobs it has; a tolerance is the default where there is one
+  double epsilon = std::numeric_limits<double>::epsilon();  // of the arithmetic that it steps in
+  bool in_studies = true;  // false: only where it is asked for by name (it repeats another row's results)
   Claims claims = {};
   std::span<const double> stability_polynomial =
       {};  // coefficients of R(z) in ascending powers; empty: not polynomial

@@ -8,8 +8,9 @@
 namespace polhode {
 
 /// The sample of a state [q][w_B][p v] at time t.
+/// Out of line: it is called at asked times only, from several places of every solver.
 template <AnyModel M>
-Sample observe(const M& m, double t, const double* y) {
+[[gnu::noinline]] Sample observe(const M& m, double t, const double* y) {
   Sample s;
   s.t = t;
   if constexpr (M::has_attitude) {

@@ -82,6 +82,13 @@ struct OdeintFixed : QuaternionForm {
     return next;
   }
 
+  /// The same in place, as the library does it with one copy of the state less.
+  template <AnyModel M>
+  void advance(const M& m, double t, double h, typename M::State& y) const {
+    const auto rhs = [&m](const auto& x, auto& d, double s) { derivative(m, s, x, d); };
+    stepper.do_step(rhs, y, t, h);
+  }
+
   mutable OdeintStepper stepper;  // holds stage derivatives: scratch, nothing that outlives a step
 };
 
@@ -218,10 +225,15 @@ void integrate_controlled(Controlled& stepper, const Fresh& fresh, const M& m, c
       count();
       return fail(Outcome::step_limit, t, "gave up after " + std::to_string(attempts) + " steps");
     }
-    if (timed && attempts % 1024 == 1023 &&
-        std::chrono::duration<double>(clock::now() - began).count() > setting.timeout_s) {
-      count();
-      return fail(Outcome::timeout, t, "still running after " + std::to_string(setting.timeout_s) + " s");
+    if (attempts % 1024 == 1023) {
+      if (timed && std::chrono::duration<double>(clock::now() - began).count() > setting.timeout_s) {
+        count();
+        return fail(Outcome::timeout, t, "still running after " + std::to_string(setting.timeout_s) + " s");
+      }
+      if (!all_finite(y)) {  // the library accepts a step whose error is not a number, and keeps its size
+        count();
+        return fail(Outcome::not_finite, t, "a state that is not finite");
+      }
     }
     const bool last = t + h >= t_end;
     if (last) h = t_end - t;

@@ -1,10 +1,12 @@
 // Boost.Odeint's Bulirsch-Stoer method: the modified midpoint rule with 2, 4, 6, ... substeps, extrapolated
-// to substeps of no length; order and step size are both chosen by the error control. Orders up to 16: few,
-// long steps. The library's `bulirsch_stoer` is used, not its `bulirsch_stoer_dense_out`: that one spends
-// evaluations on an interpolant in every step and rejects steps whose interpolant (not whose end) is poor.
-// Asked times are reached as solvers/odeint.hpp says. Keeps no invariant. Source: Odeint,
-// boost/numeric/odeint/stepper/bulirsch_stoer.hpp; Hairer, Norsett & Wanner, Solving ODEs I (1993), II.9;
-// Bulirsch & Stoer, Numer. Math. 8 (1966).
+// to substeps of no length; order and step size are both chosen by the error control. Few, long steps.
+//
+// The library's `bulirsch_stoer` is used, not its `bulirsch_stoer_dense_out`: that one spends evaluations on
+// an interpolant in every step and rejects steps whose interpolant (not whose end) is poor. Asked times are
+// reached as solvers/odeint.hpp says. Keeps no invariant.
+//
+// Source: Odeint, boost/numeric/odeint/stepper/bulirsch_stoer.hpp; Hairer, Norsett & Wanner, Solving ODEs I
+// (1993), II.9; Bulirsch & Stoer, Numer. Math. 8 (1966).
 #include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
 
 #include "solvers/odeint.hpp"

@@ -1,8 +1,12 @@
 // Boost.Odeint's Dormand-Prince pair 5(4): seven stages, the last of which is the first of the next step.
+//
 // Propagates the formula of order 5. With a tolerance, the step is controlled by the difference to the
 // embedded formula of order 4, in the maximum norm of |e_i|/(atol + rtol (|y_i| + h|y_i'|)), which is the
-// library's own. Keeps no invariant. Source: Odeint, boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp;
-// Dormand & Prince, J. Comput. Appl. Math. 6 (1980); stability polynomial: the order conditions and z^6/600.
+// library's own. Keeps no invariant. No order is claimed for the attitude: on a tumbling body its error falls
+// with h^6 almost down to rounding, the term of h^5 being small there.
+//
+// Source: Odeint, boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp; Dormand & Prince, J. Comput. Appl.
+// Math. 6 (1980); stability polynomial: the order conditions and z^6/600.
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 
 #include "solvers/odeint.hpp"

@@ -1,9 +1,13 @@
-// Boost.Odeint's Fehlberg pair 7(8): thirteen stages. The library propagates the formula of order 8 and
-// controls the step by the difference to order 7, e = 41/840 h (k1 + k11 - k12 - k13), which vanishes when f
-// depends on t alone: the pair is blind to quadrature. Norm of the error: |e_i|/(atol + rtol (|y_i| +
-// h|y_i'|)), maximum, the library's own. Keeps no invariant. Source: Odeint,
-// boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp; Fehlberg, NASA TR R-287 (1968). The stability
-// polynomial was computed from the library's tableau in exact fractions.
+// Boost.Odeint's Fehlberg pair 7(8): thirteen stages.
+//
+// The library propagates the formula of order 8 and controls the step by the difference to order 7,
+//   e = 41/840 h (k1 + k11 - k12 - k13),
+// which vanishes when f depends on t alone: the pair is blind to quadrature. The norm of the error is the
+// library's own, the maximum of |e_i|/(atol + rtol (|y_i| + h|y_i'|)). Keeps no invariant. Order 8 is claimed
+// where doubles can show it, for the attitude; the other errors reach rounding before they settle to a power.
+//
+// Source: Odeint, boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp; Fehlberg, NASA TR R-287 (1968).
+// The stability polynomial was computed from the library's tableau in exact fractions.
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 
 #include "solvers/odeint.hpp"

@@ -396,6 +396,8 @@ extern "C" const polhode::MethodRows* polhode_engine_rows() {
                      .source = r.source,
                      .version = version,
                      .by_steps = true,
+                     .epsilon = std::numeric_limits<btScalar>::epsilon(),
+                     .in_studies = !r.id.ends_with("-f32") && !r.id.starts_with("bullet-world"),
                      .claims = r.claims,
                      .prepare = r.run});
     return all;

@@ -1,0 +1,184 @@
+// Every claim of every registered solver, measured. No solver is named here: the registry is the list.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "experiments/grid.hpp"
+#include "experiments/question.hpp"
+
+namespace polhode {
+
+std::vector<Table> convergence(const Plan& plan);
+
+namespace {
+
+class Claims : public testing::TestWithParam<const Method*> {
+ protected:
+  const Method& method() const { return *GetParam(); }
+  const polhode::Claims& claims() const { return GetParam()->claims; }
+  /// How coarse or fine a claim has to be told from rounding in the solver's own arithmetic.
+  double rounding() const { return method().epsilon / std::numeric_limits<double>::epsilon(); }
+};
+
+std::string name_of_test(const testing::TestParamInfo<const Method*>& info) {
+  std::string name(info.param->id);
+  for (char& c : name)
+    if (c == '-') c = '_';
+  return name;
+}
+
+const Scene& free_body() {
+  static const Scene scene = find_scene("hairer-vilmart");
+  return scene;
+}
+
+/// A run over [0, duration] in steps of about h (or at rtol 1e-6), sampled at n equal times.
+Trajectory free_run(const Method& method, double duration, double h, int n) {
+  const auto times = uniform_times(duration, n);
+  Setting setting;
+  setting.knob = method.default_knob();
+  setting.rtol = 1e-6;
+  const Grid grid = setting.knob == Knob::steps
+                        ? grid_of_steps(times, static_cast<std::int64_t>(std::llround(duration / h)))
+                        : grid_of_times(times);
+  Grid with_start = grid;
+  with_start.from_start = true;
+  return run_once(method, free_body(), setting, with_start);
+}
+
+/// A step that is coarse for the order: its truncation error is far above rounding, and the run still finite.
+double coarse_step(const polhode::Claims& c) { return c.attitude_order >= 6 ? 0.4 : c.attitude_order >= 3 ? 0.1 : 0.01; }
+
+TEST_P(Claims, OrdersAreMeasured) {
+  Plan plan;
+  plan.scenes = {read_scene(std::string(POLHODE_TESTS) + "/scenes/claims.toml")};
+  plan.methods = {GetParam()};
+  plan.options.quiet = true;
+  const Table orders = convergence(plan)[1];
+  int measured = 0;
+  for (const auto& row : orders.rows) {
+    if (!std::holds_alternative<double>(row[3])) continue;
+    const std::string quantity = std::get<std::string>(row[2]);
+    ASSERT_TRUE(std::holds_alternative<double>(row[4])) << quantity << ": no order could be fitted";
+    // The band that the project promises: below it a method of the next order would be told apart easily.
+    EXPECT_NEAR(std::get<double>(row[4]), std::get<double>(row[3]), 0.15) << quantity;
+    ++measured;
+  }
+  const int claimed = (claims().attitude_order >= 0) + (claims().rate_order >= 0) + (claims().energy_order >= 0) +
+                      (claims().momentum_order >= 0);
+  EXPECT_EQ(measured, method().by_steps ? claimed : 0);
+  EXPECT_TRUE(method().by_steps || claimed == 0) << "an order is claimed that no knob can measure";
+}
+
+TEST_P(Claims, AttitudeOfUnitLength) {
+  if (claims().unit_attitude == Claim::unknown) return;
+  const Trajectory run = free_run(method(), 10, coarse_step(claims()), 16);
+  double defect = 0;
+  for (const Sample& s : run.samples) defect = std::max(defect, s.unit_defect);
+  if (claims().unit_attitude == Claim::yes) {
+    ASSERT_EQ(run.outcome, Outcome::ok) << run.reason;
+    // A unit quaternion that is multiplied 1000 times: each product rounds by an ulp or two.
+    EXPECT_LT(defect, 1000 * 4 * method().epsilon);
+  } else {
+    EXPECT_GT(defect, 1e-10);
+  }
+}
+
+TEST_P(Claims, MomentumOfTheFreeBody) {
+  if (claims().momentum_magnitude == Claim::unknown && claims().space_momentum == Claim::unknown) return;
+  const Trajectory run = free_run(method(), 10, coarse_step(claims()), 16);
+  double magnitude = 0, vector = 0;
+  const Vec3 L0 = run.samples.front().L;
+  for (const Sample& s : run.samples) {
+    magnitude = std::max(magnitude, std::abs(s.L.norm() / L0.norm() - 1));
+    vector = std::max(vector, (s.L - L0).norm() / L0.norm());
+  }
+  const double kept = 1000 * 4 * method().epsilon, lost = 1e-9 * rounding();
+  const auto check = [&](Claim claim, double change) {
+    if (claim == Claim::yes) {
+      EXPECT_LT(change, kept);
+    } else if (claim == Claim::no) {
+      EXPECT_GT(change, lost);
+    }
+  };
+  check(claims().momentum_magnitude, magnitude);
+  check(claims().space_momentum, vector);
+}
+
+TEST_P(Claims, EnergyOverALongTime) {
+  if (claims().energy_bounded == Claim::unknown || method().family == "truth") return;
+  const auto worst = [&](double duration) {
+    const Trajectory run = free_run(method(), duration, coarse_step(claims()), 200);
+    double error = run.outcome == Outcome::ok ? 0 : std::numeric_limits<double>::infinity();
+    const double E0 = run.samples.front().rotational_energy;
+    for (const Sample& s : run.samples) error = std::max(error, std::abs(s.rotational_energy / E0 - 1));
+    return error;
+  };
+  // Ten times longer: a secular error grows at least in proportion, a bounded one not at all. Rounding grows with
+  // the root of the steps and is no part of the claim.
+  const double shorter = worst(50), longer = worst(500);
+  if (claims().energy_bounded == Claim::yes) {
+    EXPECT_LT(longer, 2 * shorter + 50000 * 4 * method().epsilon);
+  } else {
+    EXPECT_GT(longer, 3 * shorter);
+  }
+}
+
+TEST_P(Claims, ThereAndBack) {
+  if (claims().reversible == Claim::unknown || !method().by_steps) return;
+  const double h = coarse_step(claims());
+  const auto n = static_cast<std::int64_t>(std::llround(5 / h));
+  Grid grid;
+  grid.from_start = true;
+  grid.stretches = {{5.0, n, h}, {0.0, n, -h}};
+  Setting setting;
+  setting.knob = Knob::steps;
+  const Trajectory run = run_once(method(), free_body(), setting, grid);
+  ASSERT_EQ(run.outcome, Outcome::ok) << run.reason;
+  const Sample &start = run.samples.front(), &end = run.samples.back();
+  const double missed = std::max(attitude_error(start.q, end.q), (start.w_B - end.w_B).norm() / start.w_B.norm());
+  if (claims().reversible == Claim::yes) {
+    EXPECT_LT(missed, 100 * double(2 * n) * method().epsilon);  // rounding, amplified by the motion (conditioning 28)
+  } else {
+    EXPECT_GT(missed, 1e-9 * rounding());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Registry, Claims, testing::ValuesIn(all_methods()), name_of_test);
+
+TEST(Registry, EverySolverHasItsIdentity) {
+  std::vector<std::string_view> ids;
+  for (const Method* m : all_methods()) {
+    EXPECT_FALSE(m->id.empty() || m->family.empty() || m->summary.empty() || m->source.empty()) << m->id;
+    EXPECT_TRUE(m->by_steps || m->by_tolerance) << m->id;
+    EXPECT_THAT(ids, testing::Not(testing::Contains(m->id)));
+    ids.push_back(m->id);
+  }
+  EXPECT_GE(ids.size(), 20U);
+}
+
+TEST(Registry, EverySolverServesEveryBuiltInSceneOrSaysWhyNot) {
+  for (const std::string& id : builtin_scene_ids()) {
+    const Scene scene = find_scene(id);
+    for (const Method* m : all_methods()) {
+      if (m->family == "truth") continue;
+      Setting setting;
+      setting.knob = m->default_knob();
+      const double end[] = {scene.duration * 1e-3};
+      const Grid grid = setting.knob == Knob::steps ? grid_of_steps(end, 64) : grid_of_times(end);
+      const Trajectory run = run_once(*m, scene, setting, grid);
+      if (run.outcome == Outcome::unsupported) {
+        EXPECT_FALSE(run.reason.empty()) << m->id << " on " << id;
+        // What may be refused: a particle or bare rates by solvers that are about an attitude.
+        EXPECT_TRUE(!scene.rotation || !scene.rotation->attitude) << m->id << " on " << id << ": " << run.reason;
+      } else {
+        EXPECT_EQ(run.outcome, Outcome::ok) << m->id << " on " << id << ": " << run.reason;
+        EXPECT_EQ(run.samples.size(), 1U);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace polhode
