@@ -119,7 +119,8 @@ std::vector<Table> convergence(const Plan& plan) {
       }
       if (!scene.rotation) continue;
       const auto fit = [&](const char* quantity, double claimed, double Errors::*error, double floor) {
-        // A solver that claims order 0 converges to another motion: its errors stay large, and are no less certain.
+        // A solver that claims order 0 converges to another motion: its errors stay large, and are no less
+        // certain.
         const double coarse = claimed == 0 ? std::numeric_limits<double>::infinity() : 0.1;
         std::vector<double> h, e;
         for (const Rung& r : ladder) {
@@ -132,12 +133,14 @@ std::vector<Table> convergence(const Plan& plan) {
                     line ? Cell(line->slope_error) : Cell(), std::int64_t{line ? line->points : 0}});
       };
       const Claims& c = methods[m]->claims;
-      // A hundred times the floor: a point at ten times it may be off by a tenth, which bends a slope by 0.15.
+      // A hundred times the floor: a point at ten times it may be off by a tenth, which bends a slope by
+      // 0.15.
       const double margin = 100 * methods[m]->epsilon / std::numeric_limits<double>::epsilon();
-      const double attitude_floor = margin * std::max(truth->attitude_floor, truth->truth.attitude_uncertainty);
+      const double attitude_floor =
+          margin * std::max(truth->attitude_floor, truth->truth.attitude_uncertainty);
       const double rate_floor = margin * std::max(truth->rate_floor, truth->truth.rate_uncertainty);
       // Energy and momentum of a run are sums of thousands of rounded numbers.
-      const double sum_floor = margin * 1e-14;
+      const double sum_floor = margin * 1e-15;
       if (scene.rotation->attitude) fit("attitude", c.attitude_order, &Errors::attitude_max, attitude_floor);
       fit("rate", c.rate_order, &Errors::rate_max, rate_floor);
       fit("energy", c.energy_order, &Errors::energy_max, sum_floor);

@@ -30,8 +30,15 @@ Line fit_line(std::span<const double> x, std::span<const double> y) {
 std::optional<Line> observed_order(std::span<const double> h, std::span<const double> error, double floor,
                                    double coarse) {
   constexpr double straight = 0.03;
+  // Where the errors turn and grow again with finer steps, rounding has taken over: what lies at or beyond
+  // the turn, or within ten times its error, is not truncation.
+  std::size_t turn = 0;
+  for (std::size_t i = 0; i < error.size(); ++i)
+    if (std::isfinite(error[i]) && !(error[i] >= error[turn])) turn = i;
+  const bool turned = turn + 1 < error.size() && std::isfinite(coarse);
   const auto usable = [&](std::size_t i) {
-    return std::isfinite(error[i]) && error[i] > floor && error[i] < coarse;
+    const bool converging = !turned || (i < turn && error[i] > 10 * error[turn]);
+    return std::isfinite(error[i]) && error[i] > floor && error[i] < coarse && converging;
   };
   for (const std::size_t width : {std::size_t{4}, std::size_t{3}}) {
     std::optional<Line> best;

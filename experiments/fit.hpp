@@ -16,10 +16,12 @@ Line fit_line(std::span<const double> x, std::span<const double> y);
 
 /// Observed order of a ladder of errors, coarse to fine: slope of log error against log h.
 ///
-/// Points at or below `floor`, above `coarse` (pre-asymptotic) or not finite are left out. Windows of four
-/// neighbouring points (three if there are no more) are tried from the fine end; the first that lies on a
-/// straight line (standard error of the slope below 0.03) is taken, else the straightest: steps that are too
-/// coarse bend the ladder at one end, rounding at the other.
+/// Points at or below `floor`, above `coarse` (pre-asymptotic), not finite, or near and beyond the point
+/// where the errors grow again (rounding) are left out. Windows of four neighbouring points (three if there
+/// are no more) are tried from the fine end; the first that lies on a straight line (standard error of the
+/// slope below 0.03) is taken, else the straightest: steps that are too coarse bend the ladder at one end,
+/// rounding at the other. With an infinite `coarse` (a solver that claims no convergence) nothing but the
+/// floor is left out.
 ///
 /// returns  nothing if three usable neighbours do not exist
 std::optional<Line> observed_order(std::span<const double> h, std::span<const double> error, double floor,

@@ -36,8 +36,8 @@ struct Errors {
 
 /// samples    of one run, at truth times [first, first + size)
 /// epsilon    of the arithmetic that made them: floors scale with it
-Errors errors_of(const Scene& scene, const SceneTruth& truth, std::span<const Sample> samples, std::size_t first,
-                 double epsilon);
+Errors errors_of(const Scene& scene, const SceneTruth& truth, std::span<const Sample> samples,
+                 std::size_t first, double epsilon);
 
 /// The scale by which energy errors are divided: |E(0)|, or the largest |E| if the motion starts from
 /// nothing.

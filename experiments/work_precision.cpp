@@ -84,7 +84,8 @@ std::vector<Table> work_precision(const Plan& plan) {
       Candidate& c = all[i];
       progress(plan.options, "work-precision: " + scene.id + ", " + std::string(c.method->id));
       c.run = run_once(*c.method, scene, setting(c), grid(c, times));
-      if (c.run.outcome == Outcome::ok) c.errors = errors_of(scene, *truth, c.run.samples, 1, c.method->epsilon);
+      if (c.run.outcome == Outcome::ok)
+        c.errors = errors_of(scene, *truth, c.run.samples, 1, c.method->epsilon);
     });
     if (interrupted()) break;
 

@@ -49,9 +49,10 @@ constinit const Method rows[] = {
      .version = boost_version,
      .by_steps = true,
      .by_tolerance = true,
+     // No claim for the energy: its error meets rounding before three steps of the asymptotic range are to be
+     // seen.
      .claims = {.attitude_order = 8,
                 .rate_order = 8,
-                .energy_order = 8,
                 .momentum_order = 8,
                 .unit_attitude = Claim::no,
                 .momentum_magnitude = Claim::no,

@@ -1,9 +1,9 @@
 // Attitude algebra and the equations of motion, in the modern form and as the lecture notes state them.
-#include <gtest/gtest.h>
-
-#include <Eigen/LU>
 #include <cmath>
 #include <random>
+
+#include <Eigen/LU>
+#include <gtest/gtest.h>
 
 #include "models/model.hpp"
 #include "models/newton_euler.hpp"
@@ -17,7 +17,9 @@ constexpr double eps = std::numeric_limits<double>::epsilon();
 
 class Random {
  public:
-  double number(double low, double high) { return std::uniform_real_distribution<double>(low, high)(engine_); }
+  double number(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(engine_);
+  }
   Vec3 vector(double size) { return Vec3(number(-size, size), number(-size, size), number(-size, size)); }
   Quaternion attitude() {
     std::normal_distribution<double> n;
@@ -45,7 +47,8 @@ TEST(Attitude, QuaternionMatrixAndExponentialAgree) {
     // exp(hat v) by its Taylor series: |v| < 3.2, 3.2^60/60! < 1e-51
     Mat3 series = Mat3::Identity(), term = series;
     for (int k = 1; k < 60; ++k) series += term = term * hat<double>(v) / k;
-    EXPECT_LT((rotation_matrix(q) - series).norm(), 300 * eps);  // the series' terms reach 3.2^3/6 = 5 and cancel
+    EXPECT_LT((rotation_matrix(q) - series).norm(),
+              300 * eps);  // the series' terms reach 3.2^3/6 = 5 and cancel
     EXPECT_LT((exp_rotation_matrix<double>(v) - series).norm(), 300 * eps);
     EXPECT_LT((log_rotation(q) - v).norm(), 20 * eps);
     const Vec3 a = random.vector(2);
@@ -94,7 +97,8 @@ TEST(NewtonEuler, TheBlockSystemEqualsTheReducedForm) {
     const Acceleration a = newton_euler(mass, I, R * w_B, F, tau);
     EXPECT_LT((a.linear - F / mass).norm(), 30 * eps * F.norm() / mass);
     // Reduced: I w' = (I w) x w + tau_B in the body; w' in space is R of it, since w x w = 0.
-    const Vec3 reduced = ((moments.cwiseProduct(w_B)).cross(w_B) + R.transpose() * tau).cwiseQuotient(moments);
+    const Vec3 reduced =
+        ((moments.cwiseProduct(w_B)).cross(w_B) + R.transpose() * tau).cwiseQuotient(moments);
     // condition number of I at most 2, a dozen rounded operations on numbers of size ~50
     EXPECT_LT((a.angular - R * reduced).norm(), 100 * eps * 50);
     EXPECT_LT((angular_acceleration_S(I, R * w_B, tau) - a.angular).norm(), 100 * eps * 50);
@@ -142,7 +146,8 @@ TEST(Loads, BothFormsOfATorqueAgree) {
 }
 
 TEST(Loads, EnergyChangesAtTheStatedRate) {
-  // dE/dt along the exact motion, from its Taylor series in 50 digits: E is recorded as a Jet on the series itself.
+  // dE/dt along the exact motion, from its Taylor series in 50 digits: E is recorded as a Jet on the series
+  // itself.
   for (const auto& load : one_of_each()) {
     const Scene scene = with_load(load);
     with_general_model<Wide>(scene, [&](const auto& m) {
@@ -169,7 +174,8 @@ TEST(Loads, TheSmallestModelHasTheSameEquationsAsTheGeneralOne) {
     with_model(scene, [&](const auto& m) {
       if constexpr (std::remove_cvref_t<decltype(m)>::size == 7) m.rhs(0.4, m.initial.data(), small.data());
     });
-    for (std::size_t i = 0; i < 7; ++i) EXPECT_NEAR(general[i], small[i], 20 * eps * (1 + std::abs(small[i])));
+    for (std::size_t i = 0; i < 7; ++i)
+      EXPECT_NEAR(general[i], small[i], 20 * eps * (1 + std::abs(small[i])));
   }
 }
 
@@ -185,7 +191,8 @@ TEST(TaylorSeriesOfASolution, SatisfiesItsEquation) {
       const auto low = series.at(h - d), high = series.at(h + d), y = series.at(h);
       typename M::State slope;
       m.rhs(h, y.data(), slope.data());
-      // Truncation (0.01 x ~50)^40 < 1e-11 ... of coefficients that fall like 30^k: below 1e-20; difference 1e-30 y'''.
+      // Truncation (0.01 x ~50)^40 < 1e-11 ... of coefficients that fall like 30^k: below 1e-20; difference
+      // 1e-30 y'''.
       for (std::size_t i = 0; i < y.size(); ++i)
         EXPECT_LT(Wide(abs((high[i] - low[i]) / (2 * d) - slope[i])).template convert_to<double>(), 1e-20)
             << "load " << load.index() << ", coordinate " << i;

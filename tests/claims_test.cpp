@@ -1,14 +1,15 @@
 // Every claim of every registered solver, measured. No solver is named here: the registry is the list.
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-
-#include <cmath>
 
 #include "experiments/grid.hpp"
 #include "experiments/question.hpp"
 
 namespace polhode {
 
+void PrintTo(const Method* m, std::ostream* out) { *out << m->id; }
 std::vector<Table> convergence(const Plan& plan);
 
 namespace {
@@ -17,8 +18,6 @@ class Claims : public testing::TestWithParam<const Method*> {
  protected:
   const Method& method() const { return *GetParam(); }
   const polhode::Claims& claims() const { return GetParam()->claims; }
-  /// How coarse or fine a claim has to be told from rounding in the solver's own arithmetic.
-  double rounding() const { return method().epsilon / std::numeric_limits<double>::epsilon(); }
 };
 
 std::string name_of_test(const testing::TestParamInfo<const Method*>& info) {
@@ -48,7 +47,9 @@ Trajectory free_run(const Method& method, double duration, double h, int n) {
 }
 
 /// A step that is coarse for the order: its truncation error is far above rounding, and the run still finite.
-double coarse_step(const polhode::Claims& c) { return c.attitude_order >= 6 ? 0.4 : c.attitude_order >= 3 ? 0.1 : 0.01; }
+double coarse_step(const polhode::Claims& c) {
+  return c.attitude_order >= 6 ? 0.4 : c.attitude_order >= 3 ? 0.1 : 0.01;
+}
 
 TEST_P(Claims, OrdersAreMeasured) {
   Plan plan;
@@ -65,8 +66,8 @@ TEST_P(Claims, OrdersAreMeasured) {
     EXPECT_NEAR(std::get<double>(row[4]), std::get<double>(row[3]), 0.15) << quantity;
     ++measured;
   }
-  const int claimed = (claims().attitude_order >= 0) + (claims().rate_order >= 0) + (claims().energy_order >= 0) +
-                      (claims().momentum_order >= 0);
+  const int claimed = (claims().attitude_order >= 0) + (claims().rate_order >= 0) +
+                      (claims().energy_order >= 0) + (claims().momentum_order >= 0);
   EXPECT_EQ(measured, method().by_steps ? claimed : 0);
   EXPECT_TRUE(method().by_steps || claimed == 0) << "an order is claimed that no knob can measure";
 }
@@ -94,7 +95,8 @@ TEST_P(Claims, MomentumOfTheFreeBody) {
     magnitude = std::max(magnitude, std::abs(s.L.norm() / L0.norm() - 1));
     vector = std::max(vector, (s.L - L0).norm() / L0.norm());
   }
-  const double kept = 1000 * 4 * method().epsilon, lost = 1e-9 * rounding();
+  // A thousand steps, each rounding by a few ulp; what is not kept must be told from that.
+  const double kept = 1000 * 4 * method().epsilon, lost = 10 * kept;
   const auto check = [&](Claim claim, double change) {
     if (claim == Claim::yes) {
       EXPECT_LT(change, kept);
@@ -115,13 +117,15 @@ TEST_P(Claims, EnergyOverALongTime) {
     for (const Sample& s : run.samples) error = std::max(error, std::abs(s.rotational_energy / E0 - 1));
     return error;
   };
-  // Ten times longer: a secular error grows at least in proportion, a bounded one not at all. Rounding grows with
-  // the root of the steps and is no part of the claim.
-  const double shorter = worst(50), longer = worst(500);
+  // Ten times longer, twice: a secular error grows in proportion sooner or later (an early transient may hide
+  // it, a body that has lost all it can lose may end it), a bounded one does neither time. Rounding grows
+  // with the root of the steps and is no part of the claim.
+  const double first = worst(5), second = worst(50), third = worst(500);
   if (claims().energy_bounded == Claim::yes) {
-    EXPECT_LT(longer, 2 * shorter + 50000 * 4 * method().epsilon);
+    EXPECT_LT(second, 2 * first + 5000 * 4 * method().epsilon);
+    EXPECT_LT(third, 2 * second + 50000 * 4 * method().epsilon);
   } else {
-    EXPECT_GT(longer, 3 * shorter);
+    EXPECT_TRUE(second > 3 * first || third > 3 * second) << first << ' ' << second << ' ' << third;
   }
 }
 
@@ -137,11 +141,13 @@ TEST_P(Claims, ThereAndBack) {
   const Trajectory run = run_once(method(), free_body(), setting, grid);
   ASSERT_EQ(run.outcome, Outcome::ok) << run.reason;
   const Sample &start = run.samples.front(), &end = run.samples.back();
-  const double missed = std::max(attitude_error(start.q, end.q), (start.w_B - end.w_B).norm() / start.w_B.norm());
+  const double missed =
+      std::max(attitude_error(start.q, end.q), (start.w_B - end.w_B).norm() / start.w_B.norm());
+  const double rounded = 100 * double(2 * n) * method().epsilon;  // amplified by the motion (conditioning 28)
   if (claims().reversible == Claim::yes) {
-    EXPECT_LT(missed, 100 * double(2 * n) * method().epsilon);  // rounding, amplified by the motion (conditioning 28)
+    EXPECT_LT(missed, rounded);
   } else {
-    EXPECT_GT(missed, 1e-9 * rounding());
+    EXPECT_GT(missed, 2 * rounded);
   }
 }
 
@@ -171,7 +177,11 @@ TEST(Registry, EverySolverServesEveryBuiltInSceneOrSaysWhyNot) {
       if (run.outcome == Outcome::unsupported) {
         EXPECT_FALSE(run.reason.empty()) << m->id << " on " << id;
         // What may be refused: a particle or bare rates by solvers that are about an attitude.
-        EXPECT_TRUE(!scene.rotation || !scene.rotation->attitude) << m->id << " on " << id << ": " << run.reason;
+        EXPECT_TRUE(!scene.rotation || !scene.rotation->attitude)
+            << m->id << " on " << id << ": " << run.reason;
+      } else if (run.outcome == Outcome::clamped) {
+        EXPECT_EQ(m->family, "engine") << m->id << " on " << id;  // an engine's own limit, reported
+        EXPECT_FALSE(run.reason.empty());
       } else {
         EXPECT_EQ(run.outcome, Outcome::ok) << m->id << " on " << id << ": " << run.reason;
         EXPECT_EQ(run.samples.size(), 1U);

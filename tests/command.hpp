@@ -1,7 +1,5 @@
 // Runs the built program as a user would: exit code, standard output and standard error.
 #pragma once
-#include <sys/wait.h>
-
 #include <array>
 #include <cstdio>
 #include <cstdlib>
@@ -9,6 +7,8 @@
 #include <fstream>
 #include <sstream>
 #include <string>
+
+#include <sys/wait.h>
 
 namespace polhode {
 
@@ -52,8 +52,8 @@ class TemporaryFolder {
 inline CommandResult polhode_command(const std::string& arguments, const std::filesystem::path& where = ".") {
   const TemporaryFolder scratch;
   const auto out = scratch.path() / "out", err = scratch.path() / "err";
-  const std::string command = "cd '" + where.string() + "' && '" + std::string(POLHODE_BINARY) + "' " + arguments + " >'" +
-                              out.string() + "' 2>'" + err.string() + "' </dev/null";
+  const std::string command = "cd '" + where.string() + "' && '" + std::string(POLHODE_BINARY) + "' " +
+                              arguments + " >'" + out.string() + "' 2>'" + err.string() + "' </dev/null";
   const int status = std::system(command.c_str());
   CommandResult r;
   r.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

@@ -1,12 +1,12 @@
 // The program as users meet it: refusals with their sentence and exit code, results, and their repeatability.
+#include "tests/command.hpp"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 #include <sys/stat.h>
 
-#include <nlohmann/json.hpp>
-
 #include "reports/csv.hpp"
-#include "tests/command.hpp"
 
 namespace polhode {
 namespace {
@@ -19,17 +19,22 @@ struct Refusal {
   const char* fragment;  // of standard error
 };
 
+void PrintTo(const Refusal& r, std::ostream* out) { *out << "polhode " << r.arguments; }
+
 class Refused : public testing::TestWithParam<Refusal> {};
 
 TEST_P(Refused, WithASentenceAndItsExitCode) {
   const TemporaryFolder folder;
   folder.write("bad.toml", "duration = 1\n[body]\nmass = -1\ninertia = [1, 1, 1]\n");
-  folder.write("unknown-key.toml",
-               "duration = 1\n[body]\nmass = 1\ninertia = [1, 1, 1]\n[initial]\nangular_velocty = [0, 0, 1]\n");
-  folder.write("triangle.toml",
-               "duration = 1\n[body]\nmass = 1\ninertia = [1, 1, 3]\n[initial]\nangular_velocity = [0, 0, 1]\n");
-  folder.write("nan.toml",
-               "duration = 1\n[body]\nmass = 1\ninertia = [1, 1, nan]\n[initial]\nangular_velocity = [0, 0, 1]\n");
+  folder.write(
+      "unknown-key.toml",
+      "duration = 1\n[body]\nmass = 1\ninertia = [1, 1, 1]\n[initial]\nangular_velocty = [0, 0, 1]\n");
+  folder.write(
+      "triangle.toml",
+      "duration = 1\n[body]\nmass = 1\ninertia = [1, 1, 3]\n[initial]\nangular_velocity = [0, 0, 1]\n");
+  folder.write(
+      "nan.toml",
+      "duration = 1\n[body]\nmass = 1\ninertia = [1, 1, nan]\n[initial]\nangular_velocity = [0, 0, 1]\n");
   folder.write("zero-q.toml",
                "duration = 1\n[body]\nmass = 1\ninertia = [1, 1, 1]\n[initial]\norientation = [0, 0, 0, 0]\n"
                "angular_velocity = [0, 0, 1]\n");
@@ -77,13 +82,16 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"simulate hairer-vilmart --digits 31", 2, "--digits"},
         Refusal{"simulate hairer-vilmart --digits 25 --solver rk4 --steps 10", 2, "reference"},
         Refusal{"simulate thrown-particle --solver rk4-matrix --steps 10", 2, "attitude"},
-        Refusal{"simulate missing.toml", 65, "missing.toml"}, Refusal{"simulate folder.toml", 65, "folder.toml"},
-        Refusal{"simulate bad.toml", 65, "bad.toml:3"}, Refusal{"simulate unknown-key.toml", 65, "angular_velocity"},
+        Refusal{"simulate missing.toml", 65, "missing.toml"},
+        Refusal{"simulate folder.toml", 65, "folder.toml"}, Refusal{"simulate bad.toml", 65, "bad.toml:3"},
+        Refusal{"simulate unknown-key.toml", 65, "angular_velocity"},
         Refusal{"simulate triangle.toml", 65, "I1 + I2"}, Refusal{"simulate nan.toml", 65, "nan.toml:4"},
         Refusal{"simulate zero-q.toml", 65, "orientation"}, Refusal{"simulate type.toml", 65, "type.toml:1"},
-        Refusal{"simulate not-toml.toml", 65, "not-toml.toml"}, Refusal{"simulate binary.toml", 65, "binary.toml"},
-        Refusal{"simulate big.toml", 65, "1 MB"}, Refusal{"list things", 2, "scenes, solvers, engines"},
-        Refusal{"show", 2, "needs one scene"}, Refusal{"report full", 65, "not a result folder"},
+        Refusal{"simulate not-toml.toml", 65, "not-toml.toml"},
+        Refusal{"simulate binary.toml", 65, "binary.toml"},
+        Refusal{"simulate big.toml", 65, "at most 1000000"},
+        Refusal{"list things", 2, "scenes, solvers, engines"}, Refusal{"show", 2, "needs one scene"},
+        Refusal{"report full", 65, "not a result folder"},
         Refusal{"study hairer-vilmart hairer-vilmart", 2, "twice"},
         Refusal{"convergence hairer-vilmart --solver rk4 -o full", 73, "not made by polhode"},
         Refusal{"convergence hairer-vilmart --solver rk4 -o /proc/nowhere/x", 73, "/proc/nowhere"},
@@ -100,21 +108,25 @@ TEST(Command, FullDiskIsToldNotIgnored) {
 TEST(Command, HelpNamesEveryVerb) {
   const CommandResult r = polhode_command("--help");
   EXPECT_EQ(r.exit_code, 0);
-  for (const char* verb : {"study", "convergence", "work-precision", "drift", "stability", "simulate", "list", "show"})
+  for (const char* verb :
+       {"study", "convergence", "work-precision", "drift", "stability", "simulate", "list", "show"})
     EXPECT_THAT(r.out, HasSubstr(verb));
 }
 
 TEST(Command, SimulateGivesExactlyTheAskedRows) {
-  const CommandResult asked = polhode_command("simulate hairer-vilmart --solver rk4 --steps 1000 --times 0.5,1,7.25");
+  const CommandResult asked =
+      polhode_command("simulate hairer-vilmart --solver rk4 --steps 1000 --times 0.5,1,7.25");
   const auto table = report::parse_csv(asked.out);
   ASSERT_EQ(table.rows(), 3U) << asked.err;
   EXPECT_EQ(table.text(0, "t_s"), "0.5");
   EXPECT_EQ(table.text(2, "t_s"), "7.25");
-  const auto uniform = report::parse_csv(polhode_command("simulate tumbling-box --solver rk4 --h 0.001 --samples 4").out);
+  const auto uniform =
+      report::parse_csv(polhode_command("simulate tumbling-box --solver rk4 --h 0.001 --samples 4").out);
   ASSERT_EQ(uniform.rows(), 5U);
   EXPECT_EQ(uniform.text(0, "t_s"), "0");
   EXPECT_EQ(uniform.text(4, "t_s"), "10");
-  // The parabola of the box: z = 8 t - 4.9 t^2, which RK4 integrates exactly up to rounding of 1e4 sums of ~400 m.
+  // The parabola of the box: z = 8 t - 4.9 t^2, which RK4 integrates exactly up to rounding of 1e4 sums of
+  // ~400 m.
   EXPECT_NEAR(uniform.number(4, "pz_m"), 80 - 490, 1e-9);
 }
 
@@ -130,9 +142,10 @@ TEST(Command, TwoStudiesAgreeToTheByteInTheirAccuracyColumns) {
   const auto b = report::parse_csv(text_of(folder.path() / "b/work_precision.csv"));
   ASSERT_EQ(a.rows(), b.rows());
   for (std::size_t i = 0; i < a.rows(); ++i)
-    for (const char* column : {"scene", "solver", "knob", "knob_value", "outcome", "steps", "rejected_steps", "rhs_evals",
-                               "attitude_error_max_rad", "rate_error_max_rel", "energy_error_max_rel",
-                               "momentum_error_max_rel", "unit_defect_max", "above_floor"})
+    for (const char* column :
+         {"scene", "solver", "knob", "knob_value", "outcome", "steps", "rejected_steps", "rhs_evals",
+          "attitude_error_max_rad", "rate_error_max_rel", "energy_error_max_rel", "momentum_error_max_rel",
+          "unit_defect_max", "above_floor"})
       EXPECT_EQ(a.text(i, column), b.text(i, column)) << column << " of row " << i;
   for (const char* file : {"index.html", "run.json", "datapackage.json"})
     EXPECT_FALSE(text_of(folder.path() / "a" / file).empty()) << file;
@@ -150,12 +163,21 @@ TEST(Command, StabilityLimitsAreThoseOfLinearTheory) {
   const CommandResult r = polhode_command("stability angular-drag --solver euler --solver rk4 -o -");
   const auto table = report::parse_csv(r.out);
   ASSERT_GE(table.rows(), 6U) << r.err;
+  int compared = 0;
   for (std::size_t i = 0; i < table.rows(); ++i) {
     const double measured = table.number(i, "largest_stable_h_s"), theory = table.number(i, "theory_h_s");
-    // Bisected to 1e-4; the slow rotation about the other axes and their coupling shift the limit by their rate over
-    // the stiff one, which is below 2 % from the second value on.
-    EXPECT_NEAR(measured / theory, 1, 0.02) << table.text(i, "solver") << " " << table.text(i, "parameter_value");
+    // The other axes turn and couple at a few rad/s, which shifts the limit by their rate over the stiff one:
+    // linear theory is held to where the stiff rate is 60 1/s and more. The bisection ends at 1e-4.
+    if (table.number(i, "parameter_value") < 30) continue;
+    EXPECT_NEAR(measured / theory, 1, 1e-3)
+        << table.text(i, "solver") << " " << table.text(i, "parameter_value");
+    ++compared;
+    const double stiff_rate =
+        table.number(i, "parameter_value") / 0.3;  // of the scene: moment 0.3 about that axis
+    const double published = table.text(i, "solver") == "euler" ? 2.0 : 2.785293563405282;
+    EXPECT_NEAR(theory * stiff_rate, published, 0.05);
   }
+  EXPECT_GE(compared, 6);
 }
 
 TEST(Command, FailedRunsKeepTheirRow) {
@@ -169,7 +191,8 @@ TEST(Command, ListsAreGeneratedFromTheRegistry) {
   const auto solvers = nlohmann::json::parse(polhode_command("list solvers --json").out);
   ASSERT_GE(solvers.size(), 20U);
   for (const auto& s : solvers)
-    for (const char* key : {"id", "family", "knob", "order", "summary", "source", "claims", "available", "missing"})
+    for (const char* key :
+         {"id", "family", "knob", "order", "summary", "source", "claims", "available", "missing"})
       EXPECT_TRUE(s.contains(key)) << s["id"] << " lacks " << key;
   const auto scenes = nlohmann::json::parse(polhode_command("list scenes --json").out);
   EXPECT_GE(scenes.size(), 15U);

@@ -33,6 +33,11 @@ EngineStatus open_engine(const char* id, const char* package, const char* summar
     e.missing = "the engine '" + e.id + "' cannot be opened: " + (why ? why : "no entry point");
     return e;
   }
+  const auto* const stamp = static_cast<const std::size_t*>(dlsym(handle, engine_stamp_name));
+  if (!stamp || *stamp != engine_stamp) {
+    e.missing = "the engine '" + e.id + "' was built for another version of polhode; build again";
+    return e;
+  }
   e.available = true;
   for (const Method& m : *rows()) e.methods.push_back(&m);
   return e;

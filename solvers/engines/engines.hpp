@@ -16,4 +16,10 @@ std::vector<EngineStatus> load_engines();
 using EngineRows = const MethodRows* (*)();
 constexpr const char* engine_entry = "polhode_engine_rows";
 
+/// What a module was compiled against; one that differs from the program's would be read as garbage. Modules
+/// export it as the variable `polhode_engine_stamp`.
+constexpr std::size_t engine_stamp =
+    sizeof(Method) + 1000 * (sizeof(Sample) + 1000 * (sizeof(Scene) + 1000 * sizeof(Claims)));
+constexpr const char* engine_stamp_name = "polhode_engine_stamp";
+
 }  // namespace polhode
