@@ -58,6 +58,8 @@ double slope(double before, double now) { return std::log2(before / now); }
 
 std::vector<Table> convergence(const Plan& plan) {
   Table rows{"convergence.csv", convergence_columns, {}}, orders{"orders.csv", order_columns, {}};
+  refuse_options(plan.options, "convergence makes its own ladder of steps and sample times", true, true,
+                 true);
   // 2^4 ... 2^17 steps; a quick look stops at 2^13.
   const int first = 4, last = plan.options.quick ? 13 : 17;
   for (const Scene& scene : plan.scenes) {
@@ -78,6 +80,7 @@ std::vector<Table> convergence(const Plan& plan) {
       const Trajectory run =
           run_once(method, scene, setting_of(plan.options, Knob::steps), grid_of_steps(times, rung.steps));
       rung.outcome = run.outcome;
+      tell_failure(plan.options, scene, method, run);
       if (run.outcome == Outcome::ok) rung.errors = errors_of(scene, *truth, run.samples, 1, method.epsilon);
     });
     if (interrupted()) break;  // a scene is reported whole or not at all

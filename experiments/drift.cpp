@@ -107,6 +107,7 @@ std::vector<Table> drift(const Plan& plan) {
         grid = grid_of_times(times);
       }
       runs[i] = run_once(m, scene, setting, grid);
+      tell_failure(options, scene, m, runs[i]);
     });
     if (interrupted()) break;
     for (std::size_t i = 0; i < methods.size(); ++i) {

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include "experiments/interrupt.hpp"
+#include "models/errors.hpp"
 
 namespace polhode {
 
@@ -62,6 +63,24 @@ Setting setting_of(const Options& options, Knob knob) {
   s.timeout_s = options.timeout_s.value_or(60);
   s.digits = options.digits;
   return s;
+}
+
+void refuse_options(const Options& options, const std::string& why, bool steps, bool tolerances, bool times) {
+  const auto refuse = [&why](bool given, const char* name) {
+    if (given) throw UsageError(std::string(name) + ": " + why);
+  };
+  refuse(steps && options.steps, "--steps");
+  refuse(steps && options.h, "--h");
+  refuse(tolerances && options.rtol, "--rtol");
+  refuse(times && options.samples, "--samples");
+  refuse(times && !options.times.empty(), "--times");
+}
+
+void tell_failure(const Options& options, const Scene& scene, const Method& method, const Trajectory& run) {
+  if (!options.verbose || run.outcome == Outcome::ok) return;
+  progress(options, "");
+  std::fprintf(stderr, "polhode: %s, %s: %s: %s\n", scene.id.c_str(), std::string(method.id).c_str(),
+               std::string(name_of(run.outcome)).c_str(), run.reason.c_str());
 }
 
 void progress(const Options& options, const std::string& what) {

@@ -35,6 +35,12 @@ void for_each_run(const Options& options, std::size_t n, const std::function<voi
 /// The setting that the options ask for of a solver with this knob.
 Setting setting_of(const Options& options, Knob knob);
 
+/// Throws UsageError if an option is given that the question cannot follow: `why` completes "--steps: ...".
+void refuse_options(const Options& options, const std::string& why, bool steps, bool tolerances, bool times);
+
+/// With --verbose, why a run failed, on standard error.
+void tell_failure(const Options& options, const Scene& scene, const Method& method, const Trajectory& run);
+
 /// A line of progress on a terminal, nothing elsewhere.
 void progress(const Options& options, const std::string& what);
 

@@ -97,6 +97,7 @@ double theory(std::span<const double> polynomial, const std::vector<std::complex
 
 std::vector<Table> stability(const Plan& plan) {
   Table table{"stability.csv", columns, {}};
+  refuse_options(plan.options, "stability searches the step size itself", true, true, true);
   struct Case {
     const Scene* scene;
     double value;

@@ -132,6 +132,11 @@ int answer(const Options& options, const std::vector<Question>& questions) {
     for (Table& t : q.answer(plan)) tables.push_back(std::move(t));
   }
   progress(options, "");
+  if (questions.size() == 1 && tables.front().rows.empty() && !interrupted())
+    throw UsageError(
+        std::string(questions.front().id) +
+        ": none of these scenes and solvers can answer it (stability needs a scene with a [stiff] table "
+        "and a solver of fixed step, convergence a solver of fixed step)");
   if (!to_folder) {
     const std::string text = csv(tables.front());
     if (place == "-")
@@ -157,7 +162,10 @@ int answer(const Options& options, const std::vector<Question>& questions) {
 
 }  // namespace
 
-int study_verb(const Options& options) { return answer(options, all_questions()); }
+int study_verb(const Options& options) {
+  refuse_options(options, "a study chooses its own; ask one question alone for that", true, true, true);
+  return answer(options, all_questions());
+}
 
 const std::vector<Verb>& all_verbs() {
   static const std::vector<Verb> verbs = [] {

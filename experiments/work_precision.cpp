@@ -9,6 +9,7 @@
 #include "experiments/interrupt.hpp"
 #include "experiments/question.hpp"
 #include "experiments/stopwatch.hpp"
+#include "models/errors.hpp"
 
 namespace polhode {
 namespace {
@@ -51,6 +52,8 @@ struct Candidate {
 
 std::vector<Table> work_precision(const Plan& plan) {
   Table table{"work_precision.csv", columns, {}};
+  refuse_options(plan.options, "work-precision samples at 16 times of its own", false, false, true);
+  if (plan.options.h) throw UsageError("--h: work-precision counts in steps; needs --steps");
   const bool quick = plan.options.quick;
   const TimingPlan timing = quick ? TimingPlan{3, 50e-6, 5e-3} : TimingPlan{7, 100e-6, 25e-3};
   for (const Scene& scene : plan.scenes) {
@@ -61,12 +64,17 @@ std::vector<Table> work_precision(const Plan& plan) {
     std::vector<Candidate> all;
     for (const Method* m : plan.methods) {
       if (m->family == "truth") continue;  // it is what the others are measured against
-      if (m->default_knob() == Knob::steps)
-        for (int k = 5; k <= (quick ? 12 : 16); k += 1)
-          all.push_back({m, Knob::steps, std::ldexp(1.0, k), {}, {}, {}});
+      // One value where the options give one, else the whole ladder.
+      const Knob knob = plan.options.chooses_steps() && m->by_steps ? Knob::steps : m->default_knob();
+      const auto add = [&](double value) { all.push_back({m, knob, value, {}, {}, {}}); };
+      if (knob == Knob::steps && plan.options.steps)
+        add(double(*plan.options.steps));
+      else if (knob == Knob::steps)
+        for (int k = 5; k <= (quick ? 12 : 16); ++k) add(std::ldexp(1.0, k));
+      else if (plan.options.rtol)
+        add(*plan.options.rtol);
       else
-        for (int k = 2; k <= 13; k += quick ? 2 : 1)
-          all.push_back({m, Knob::tolerance, std::pow(10.0, -k), {}, {}, {}});
+        for (int k = 2; k <= 13; k += quick ? 2 : 1) add(std::pow(10.0, -k));
     }
     const auto setting = [&](const Candidate& c) {
       Setting s = setting_of(plan.options, c.knob);

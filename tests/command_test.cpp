@@ -97,7 +97,10 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"convergence hairer-vilmart --solver rk4 -o /proc/nowhere/x", 73, "/proc/nowhere"},
         Refusal{"simulate hairer-vilmart -o folder.toml", 73, "folder"},
         Refusal{"simulate hairer-vilmart -o no/such/place.csv", 73, "no/such/place.csv"},
-        Refusal{"study hairer-vilmart -o x.csv", 2, "folder"}));
+        Refusal{"study hairer-vilmart -o x.csv", 2, "folder"}, Refusal{"study --steps 10", 2, "--steps"},
+        Refusal{"convergence sphere --h 0.1", 2, "ladder"}, Refusal{"stability hairer-vilmart", 2, "[stiff]"},
+        Refusal{"convergence sphere --solver cvode-adams", 2, "fixed step"},
+        Refusal{"stability angular-drag --rtol 1e-6", 2, "--rtol"}));
 
 TEST(Command, FullDiskIsToldNotIgnored) {
   if (!std::filesystem::exists("/dev/full")) return;
