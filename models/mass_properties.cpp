@@ -254,7 +254,7 @@ PrincipalAxes principal_axes(const Mat3& inertia) {
   if (diagonal || !inertia.allFinite())  // what is not finite is for inertia_fault to refuse
     return {inertia.diagonal(), Quaternion(1, 0, 0, 0)};
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(inertia);
-  const Mat3 vectors = solver.eigenvectors();
+  const Mat3& vectors = solver.eigenvectors();
 
   // Number and sign the axes so that the rotation from the given ones is the smallest of the 24.
   std::array<int, 3> order{0, 1, 2}, best = order;
