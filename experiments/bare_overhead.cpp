@@ -26,9 +26,8 @@
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
-#include <time.h>
-
 #include "solvers/registry.hpp"
+#include "solvers/thread_time.hpp"
 
 namespace {
 
@@ -226,18 +225,12 @@ std::vector<Pair> pairs() {
   return all;
 }
 
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
-
 /// Seconds a run, over so many runs.
 template <class Run>
 double time_of(const Run& run, long repeats) {
-  const double began = thread_seconds();
+  const double began = polhode::thread_seconds();
   for (long i = 0; i < repeats; ++i) run();
-  return (thread_seconds() - began) / static_cast<double>(repeats);
+  return (polhode::thread_seconds() - began) / static_cast<double>(repeats);
 }
 
 double median(std::vector<double> v) {

@@ -61,7 +61,6 @@ Setting setting_of(const Options& options, Knob knob) {
   if (options.atol) s.atol = *options.atol;
   // No run may hang a study: a minute is far beyond any useful setting here.
   s.timeout_s = options.timeout_s.value_or(60);
-  s.digits = options.digits;
   return s;
 }
 

@@ -17,7 +17,7 @@
 #include "experiments/grid.hpp"
 #include "experiments/interrupt.hpp"
 #include "experiments/question.hpp"
-#include "models/model.hpp"
+#include "solvers/erased_model.hpp"
 
 namespace polhode {
 namespace {
@@ -65,24 +65,18 @@ Trial try_step(const Integration& run, double h, double fastest, double rounding
 
 /// Of the Jacobian at rest in the attitude of the space frame: where springs and drags lead to.
 std::vector<std::complex<double>> eigenvalues(const Scene& scene) {
-  return with_model(scene, [&scene](const auto& m) {
-    using M = std::remove_cvref_t<decltype(m)>;
-    Eigen::Matrix<double, M::size, M::size> J;
-    auto rest = m.initial;
-    if constexpr (M::has_rotation) {
-      for (std::size_t i = 0; i < std::size_t{M::rotation_size}; ++i) rest[i] = 0;
-      if constexpr (M::has_attitude) {
-        const Quaternion q = normalised(scene.rotation->principal_to_user);
-        rest[0] = q.w();
-        rest[1] = q.x();
-        rest[2] = q.y();
-        rest[3] = q.z();
-      }
-    }
-    m.jacobian(0.0, rest.data(), J);
-    const Eigen::Matrix<std::complex<double>, M::size, 1> values = J.eigenvalues();
-    return std::vector<std::complex<double>>(values.begin(), values.end());
-  });
+  const auto model = erased_model(scene);
+  std::vector<double> rest(model->initial().begin(), model->initial().end());
+  if (scene.rotation) std::fill_n(rest.begin(), model->has_attitude() ? 7 : 3, 0.0);
+  if (model->has_attitude()) {
+    const Quaternion q = normalised(scene.rotation->principal_to_user);
+    const double components[] = {q.w(), q.x(), q.y(), q.z()};
+    std::ranges::copy(components, rest.begin());
+  }
+  Eigen::MatrixXd J(model->size(), model->size());
+  model->jacobian(0.0, rest.data(), J.data());
+  const Eigen::VectorXcd values = J.eigenvalues();
+  return {values.begin(), values.end()};
 }
 
 /// Largest h with |R(h lambda)| <= 1 for every lambda but the slow ones, which do not limit the step.

@@ -5,17 +5,10 @@
 #include <cmath>
 #include <limits>
 
-#include <time.h>
-
 #include "experiments/interrupt.hpp"
+#include "solvers/thread_time.hpp"
 
 namespace polhode {
-
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
-}
 
 double median(std::vector<double> values) {
   if (values.empty()) return std::numeric_limits<double>::quiet_NaN();

@@ -6,9 +6,6 @@
 
 namespace polhode {
 
-/// CPU time of this thread [s]. Wall clock on a shared machine measures the neighbours.
-double thread_seconds();
-
 struct Timing {
   double min = 0, median = 0, mad = 0;  // s per run; mad: median absolute deviation from the median
   int repeats = 0;                      // measurements, each of as many runs as fill `shortest_measurement`

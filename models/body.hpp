@@ -20,7 +20,8 @@ namespace polhode {
 /// Stands where an attitude would, in models that have none.
 struct NoAttitude {};
 
-enum class Shape { triaxial, spherical };  // spherical: three equal moments, (I w) x w = 0
+/// spherical: three equal moments, (I w) x w = 0; any: asked of the moments at run time.
+enum class Shape { triaxial, spherical, any };
 enum class AttitudePart { integrated, absent };
 
 /// Rotation of a rigid body about its centre of mass (or about a pivot, with the inertia taken there).
@@ -36,7 +37,6 @@ class Rotation {
   static constexpr bool present = true;
   static constexpr bool has_attitude = attitude == AttitudePart::integrated;
   static constexpr bool has_load = Load::present;
-  static constexpr bool gyroscopic = shape == Shape::triaxial;
   static constexpr int w_at = has_attitude ? 4 : 0;
   static constexpr int size = w_at + 3;
 
@@ -45,7 +45,8 @@ class Rotation {
         moments_(moments),
         inverse_(S(1) / moments.x(), S(1) / moments.y(), S(1) / moments.z()),
         gyro_((moments.y() - moments.z()) / moments.x(), (moments.z() - moments.x()) / moments.y(),
-              (moments.x() - moments.y()) / moments.z()) {}
+              (moments.x() - moments.y()) / moments.z()),
+        triaxial_(!(moments.x() == moments.y() && moments.y() == moments.z())) {}
 
   template <class T>
   static auto attitude_of(const T* y) {
@@ -63,7 +64,7 @@ class Rotation {
   template <class T, class A>
   Vec3T<T> angular_acceleration(const T& t, const A& q, const Vec3T<T>& w) const {
     Vec3T<T> a(T(0), T(0), T(0));
-    if constexpr (gyroscopic)
+    if (has_gyroscopic_term())
       a = Vec3T<T>(T(gyro_.x()) * (w.y() * w.z()), T(gyro_.y()) * (w.z() * w.x()),
                    T(gyro_.z()) * (w.x() * w.y()));
     if constexpr (has_load) {
@@ -104,7 +105,7 @@ class Rotation {
       J.template block<4, 3>(0, 4) *= 0.5;
     }
     Mat3 d_w = Mat3::Zero();
-    if constexpr (gyroscopic)
+    if (has_gyroscopic_term())
       d_w << 0, gyro_.x() * w.z(), gyro_.x() * w.y(), gyro_.y() * w.z(), 0, gyro_.y() * w.x(),
           gyro_.z() * w.y(), gyro_.z() * w.x(), 0;
     if constexpr (has_load) {
@@ -116,6 +117,13 @@ class Rotation {
     J.template block<3, 3>(w_at, w_at) = d_w;
   }
 
+  /// Is there an (I w) x w? Known to the compiler, unless the shape is `any`.
+  constexpr bool has_gyroscopic_term() const {
+    if constexpr (shape == Shape::any)
+      return triaxial_;
+    else
+      return shape == Shape::triaxial;
+  }
   const Vec3T<S>& moments() const { return moments_; }
   const Vec3T<S>& inverse_moments() const { return inverse_; }
   const Vec3T<S>& gyroscopic_constants() const { return gyro_; }  // (I2-I3)/I1 and cyclic [1]
@@ -126,6 +134,7 @@ class Rotation {
 
  private:
   Vec3T<S> moments_, inverse_, gyro_;
+  bool triaxial_;
 };
 
 /// Stands where a rotation would, in scenes of a particle.

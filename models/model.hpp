@@ -8,11 +8,6 @@
 
 namespace polhode {
 
-template <class S>
-using BodyTorque = ConstantTorque<S, Frame::body>;
-template <class S>
-using SpaceTorque = ConstantTorque<S, Frame::space>;
-
 namespace model_parts {
 
 template <class S, class Load>
@@ -66,14 +61,20 @@ Model<S, R, T> make_model(const Scene& scene, R rotation, T translation) {
 
 }  // namespace model_parts
 
+/// The rotation of a scene in its general form: any shape, any number of loads, asked at run time.
+template <class S, AttitudePart attitude = AttitudePart::integrated>
+auto make_general_rotation(const RotationData& r) {
+  return model_parts::make_rotation<S, SeveralTorques, Shape::any, attitude>(r);
+}
+
 /// Calls f(model) with the smallest model of the scene and returns what f returns.
-/// One torque alone has a type of its own; rarer mixtures share the general list of loads.
+///
+/// What most scenes are has a type of its own: the free body, the sphere, one load alone. The rest shares the
+/// general rotation, whose predictable branches cost a nanosecond: each type is compiled into every solver.
 template <class F>
 decltype(auto) with_model(const Scene& scene, F&& f) {
   using namespace model_parts;
   using S = double;
-  constexpr auto sphere = Shape::spherical;
-  constexpr auto rates = AttitudePart::absent;
   const auto call = [&](auto rotation, auto translation) -> decltype(auto) {
     return f(make_model<S>(scene, std::move(rotation), std::move(translation)));
   };
@@ -85,36 +86,25 @@ decltype(auto) with_model(const Scene& scene, F&& f) {
   const bool round = r.moments.x() == r.moments.y() && r.moments.y() == r.moments.z();
   const bool free = r.loads.empty();
   if (!r.attitude)
-    return free ? call(make_rotation<S, Free, Shape::triaxial, rates>(r), NoTranslation{})
-                : call(make_rotation<S, SeveralTorques, Shape::triaxial, rates>(r), NoTranslation{});
+    return free ? call(make_rotation<S, Free, Shape::triaxial, AttitudePart::absent>(r), NoTranslation{})
+                : call(make_general_rotation<S, AttitudePart::absent>(r), NoTranslation{});
   if (t) {
-    const auto translated = [&](auto rotation) -> decltype(auto) {
-      return t->has_force ? call(rotation, make_forced<S>(*t)) : call(rotation, make_unforced<S>(*t));
-    };
-    if (round)
-      return free ? translated(make_rotation<S, Free, sphere>(r))
-                  : translated(make_rotation<S, SeveralTorques, sphere>(r));
-    return free ? translated(make_rotation<S, Free>(r)) : translated(make_rotation<S, SeveralTorques>(r));
+    if (!free || round) return call(make_general_rotation<S>(r), make_forced<S>(*t));
+    return t->has_force ? call(make_rotation<S, Free>(r), make_forced<S>(*t))
+                        : call(make_rotation<S, Free>(r), make_unforced<S>(*t));
   }
-  if (round)
-    return free ? call(make_rotation<S, Free, sphere>(r), NoTranslation{})
-                : call(make_rotation<S, SeveralTorques, sphere>(r), NoTranslation{});
-  if (free) return call(make_rotation<S, Free>(r), NoTranslation{});
-  if (r.loads.size() > 1) return call(make_rotation<S, SeveralTorques>(r), NoTranslation{});
-  switch (r.loads.front().index()) {
-    case 0:
+  if (free)
+    return round ? call(make_rotation<S, Free, Shape::spherical>(r), NoTranslation{})
+                 : call(make_rotation<S, Free>(r), NoTranslation{});
+  if (!round && r.loads.size() == 1) {
+    if (std::holds_alternative<GravityAboutPivot<S>>(r.loads.front()))
       return call(make_rotation<S, GravityAboutPivot>(r), NoTranslation{});
-    case 1:
+    if (std::holds_alternative<AngularDrag<S>>(r.loads.front()))
       return call(make_rotation<S, AngularDrag>(r), NoTranslation{});
-    case 2:
+    if (std::holds_alternative<AttitudeSpring<S>>(r.loads.front()))
       return call(make_rotation<S, AttitudeSpring>(r), NoTranslation{});
-    case 3:
-      return call(make_rotation<S, BodyTorque>(r), NoTranslation{});
-    case 4:
-      return call(make_rotation<S, SpaceTorque>(r), NoTranslation{});
-    default:
-      return call(make_rotation<S, GravityGradient>(r), NoTranslation{});
   }
+  return call(make_general_rotation<S>(r), NoTranslation{});
 }
 
 /// The same scene in number type S with the general types alone: fewer instances where speed is not the
@@ -128,10 +118,9 @@ decltype(auto) with_general_model(const Scene& scene, F&& f) {
   };
   if (!scene.rotation) return call(NoRotation{}, make_forced<S>(*t));
   const RotationData& r = *scene.rotation;
-  if (!r.attitude)
-    return call(make_rotation<S, SeveralTorques, Shape::triaxial, AttitudePart::absent>(r), NoTranslation{});
-  return t ? call(make_rotation<S, SeveralTorques>(r), make_forced<S>(*t))
-           : call(make_rotation<S, SeveralTorques>(r), NoTranslation{});
+  if (!r.attitude) return call(make_general_rotation<S, AttitudePart::absent>(r), NoTranslation{});
+  return t ? call(make_general_rotation<S>(r), make_forced<S>(*t))
+           : call(make_general_rotation<S>(r), NoTranslation{});
 }
 
 }  // namespace polhode

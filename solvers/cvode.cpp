@@ -18,9 +18,10 @@
 //
 // Source: Hindmarsh et al., SUNDIALS, ACM TOMS 31 (2005); Cohen & Hindmarsh, CVODE, Computers in Physics 10
 // (1996); projection: Eich, SIAM J. Numer. Anal. 30 (1993).
-#include <chrono>
+#include <Eigen/Core>
 
-#include "solvers/fixed_step.hpp"
+#include "solvers/erased_model.hpp"
+#include "solvers/record.hpp"
 #include "solvers/sundials.hpp"
 
 namespace polhode {
@@ -31,12 +32,11 @@ using namespace sundials;
 enum class Formula { adams, bdf, bdf_projected };
 
 /// One CVODE object for one model, made once and initialised anew for each run.
-template <AnyModel M>
 class Cvode {
  public:
-  Cvode(M model, const Setting& setting, Formula formula)
-      : model_(std::move(model)), setting_(setting), timed_(setting.timeout_s < 1e9) {
-    y_ = owned<Owned<N_Vector>>(N_VNew_Serial(M::size, context_.get()));
+  Cvode(std::unique_ptr<ErasedModel> model, const Setting& setting, Formula formula)
+      : model_(std::move(model)), setting_(setting), size_(model_->initial().size()) {
+    y_ = owned<Owned<N_Vector>>(N_VNew_Serial(model_->size(), context_.get()));
     N_VEnableFusedOps_Serial(y_.get(), SUNTRUE);  // before CVODE clones it: its history sums in one pass
     set_initial();
     cvode_ = owned<OwnedCvode>(CVodeCreate(formula == Formula::adams ? CV_ADAMS : CV_BDF, context_.get()));
@@ -48,30 +48,24 @@ class Cvode {
       fixed_point_ = owned<Owned<SUNNonlinearSolver>>(SUNNonlinSol_FixedPoint(y_.get(), 0, context_.get()));
       CVodeSetNonlinearSolver(cvode_.get(), fixed_point_.get());
     } else {  // Newton's method is CVODE's default
-      matrix_ = owned<Owned<SUNMatrix>>(SUNDenseMatrix(M::size, M::size, context_.get()));
+      matrix_ = owned<Owned<SUNMatrix>>(SUNDenseMatrix(model_->size(), model_->size(), context_.get()));
       linear_ = owned<Owned<SUNLinearSolver>>(SUNLinSol_Dense(y_.get(), matrix_.get(), context_.get()));
       CVodeSetLinearSolver(cvode_.get(), linear_.get(), matrix_.get());
       CVodeSetJacFn(cvode_.get(), jacobian);
     }
-    if constexpr (M::has_attitude)
-      if (formula == Formula::bdf_projected) CVodeSetProjFn(cvode_.get(), project);
+    if (formula == Formula::bdf_projected) CVodeSetProjFn(cvode_.get(), project);
   }
   Cvode(const Cvode&) = delete;  // CVODE holds its address
   Cvode& operator=(const Cvode&) = delete;
 
   void integrate(const Grid& grid, Trajectory& out) {
-    out.samples.clear();
-    out.samples.reserve(grid.stretches.size() + 1);
-    out.work = {};
-    out.outcome = Outcome::ok;
-    out.reason.clear();
+    Record record(setting_, grid, out);
+    record_ = &record;
     set_initial();
-    const Sample first = observe(model_, 0.0, state());
-    if (grid.from_start) out.samples.push_back(first);
+    record.start(model_->sample(0.0, state()));
     if (grid.stretches.empty()) return;
     calls_ = 0;
     not_finite_ = timed_out_ = false;
-    if (timed_) began_ = clock::now();
 
     CVodeReInit(cvode_.get(), 0, y_.get());
     CVodeSetStopTime(cvode_.get(), grid.end());
@@ -81,27 +75,13 @@ class Cvode {
         grid.stretches.size() > 1 ? CVode(cvode_.get(), grid.end(), y_.get(), &t, CV_ONE_STEP) : CV_SUCCESS;
     for (const auto& stretch : grid.stretches) {
       if (flag >= 0) flag = advance(stretch.t_end, t);
-      if (flag < 0) break;
-      const Sample s = observe(model_, stretch.t_end, state());
-      if (!all_finite(std::span(state(), M::size))) {
-        not_finite_ = true;
-        flag = CV_ERR_FAILURE;
-        break;
-      }
-      if (has_diverged(first, s)) {
-        count(out.work);
-        out.outcome = Outcome::diverged;
-        out.reason = "kinetic energy beyond 1e12 times its start" + at(stretch.t_end);
-        return;
-      }
-      out.samples.push_back(s);
+      if (flag < 0 || !record.keep(model_->sample(stretch.t_end, state()))) break;
     }
     count(out.work);
-    if (flag < 0) explain(flag, out);
+    if (flag < 0) explain(flag, record);
   }
 
  private:
-  using clock = std::chrono::steady_clock;
   static constexpr std::int64_t calls_per_look = 1024;  // at the clock
 
   /// CVODE to t_asked; its step limit holds for one call, ours for the run.
@@ -127,49 +107,41 @@ class Cvode {
     work = {steps, error_failures + solve_failures, calls_, jacobians};
   }
 
-  void explain(int flag, Trajectory& out) const {
+  void explain(int flag, Record& record) const {
     double t = 0;
     CVodeGetCurrentTime(cvode_.get(), &t);
     if (timed_out_) {
-      out.outcome = Outcome::timeout;
-      out.reason = "still running after " + std::to_string(setting_.timeout_s) + " s" + at(t);
+      record.in_time(t);
     } else if (not_finite_) {
-      out.outcome = Outcome::not_finite;
-      out.reason = "a state or right-hand side that is not finite" + at(t);
+      record.end(Outcome::not_finite, "a right-hand side that is not finite", t);
     } else if (flag == CV_TOO_MUCH_WORK) {
-      out.outcome = Outcome::step_limit;
-      out.reason = "gave up after " + std::to_string(out.work.steps) + " steps" + at(t);
+      record.end(Outcome::step_limit, "gave up after " + std::to_string(setting_.step_limit) + " steps", t);
     } else {
       const std::unique_ptr<char, void (*)(void*)> name(CVodeGetReturnFlagName(flag), std::free);
-      out.outcome = Outcome::solver_failed;
-      out.reason = std::string("CVODE: ") + name.get() + at(t);
+      record.end(Outcome::solver_failed, std::string("CVODE: ") + name.get(), t);
     }
   }
 
-  static std::string at(double t) { return " at t = " + std::to_string(t) + " s"; }
   double* state() const { return NV_DATA_S(y_.get()); }
-  void set_initial() { std::copy(model_.initial.begin(), model_.initial.end(), state()); }
+  void set_initial() { std::ranges::copy(model_->initial(), state()); }
 
   /// A right-hand side that is not finite is a failure from which a shorter step may recover (1); a timeout
   /// is one for good (-1).
   static int rhs(sunrealtype t, N_Vector y, N_Vector d, void* user) {
     auto& self = *static_cast<Cvode*>(user);
     ++self.calls_;
-    if (self.timed_ && self.calls_ % calls_per_look == 0)
-      self.timed_out_ = self.timed_out_ || std::chrono::duration<double>(clock::now() - self.began_).count() >
-                                               self.setting_.timeout_s;
+    if (self.calls_ % calls_per_look == 0) self.timed_out_ = self.timed_out_ || !self.record_->in_time(t);
     // Said at every call from then on: CVODE 6.4 goes on after a single -1 inside its functional iteration.
     if (self.timed_out_) return -1;
-    self.model_.rhs(t, static_cast<const double*>(NV_DATA_S(y)), NV_DATA_S(d));
-    self.not_finite_ = !all_finite(std::span<const double, M::size>(NV_DATA_S(d), M::size));
+    self.model_->rhs(t, NV_DATA_S(y), NV_DATA_S(d));
+    self.not_finite_ = !all_finite(std::span<const double>(NV_DATA_S(d), self.size_));
     return self.not_finite_ ? 1 : 0;
   }
 
   /// Both libraries store columns one after another.
   static int jacobian(sunrealtype t, N_Vector y, N_Vector, SUNMatrix J, void* user, N_Vector, N_Vector,
                       N_Vector) {
-    static_cast<const Cvode*>(user)->model_.jacobian(
-        t, NV_DATA_S(y), Eigen::Map<Eigen::Matrix<double, M::size, M::size>>(SM_DATA_D(J)));
+    static_cast<const Cvode*>(user)->model_->jacobian(t, NV_DATA_S(y), SM_DATA_D(J));
     return 0;
   }
 
@@ -188,8 +160,10 @@ class Cvode {
     return 0;
   }
 
-  M model_;
+  std::unique_ptr<ErasedModel> model_;
   Setting setting_;
+  std::size_t size_;
+  Record* record_ = nullptr;                    // of the run in progress
   Owned<SUNContext> context_ = make_context();  // made first, freed last
   Owned<N_Vector> y_;
   Owned<SUNMatrix> matrix_;
@@ -197,21 +171,17 @@ class Cvode {
   Owned<SUNNonlinearSolver> fixed_point_;
   OwnedCvode cvode_;
   std::int64_t calls_ = 0;
-  bool timed_, not_finite_ = false, timed_out_ = false;
-  clock::time_point began_;
+  bool not_finite_ = false, timed_out_ = false;
 };
 
 template <Formula formula>
 Prepared prepare(const Scene& scene, const Setting& setting) {
-  return with_model(scene, [&](auto model) -> Prepared {
-    using M = decltype(model);
-    if constexpr (formula == Formula::bdf_projected && !M::has_attitude)
-      return {{}, "needs an attitude to project"};
-    else
-      return {[cvode = std::make_shared<Cvode<M>>(std::move(model), setting, formula)](
-                  const Grid& grid, Trajectory& out) { cvode->integrate(grid, out); },
-              {}};
-  });
+  auto model = erased_model(scene);
+  if (formula == Formula::bdf_projected && !model->has_attitude())
+    return {{}, "needs an attitude to project"};
+  return {[cvode = std::make_shared<Cvode>(std::move(model), setting, formula)](
+              const Grid& grid, Trajectory& out) { cvode->integrate(grid, out); },
+          {}};
 }
 
 constexpr Claims claims = {.unit_attitude = Claim::no,

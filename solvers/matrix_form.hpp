@@ -34,7 +34,7 @@ struct MatrixForm {
     const Mat3 I = inertia_S(R, m.rotation.moments());
     Vec3 tau = Vec3::Zero();
     if constexpr (M::Rotating::has_load) tau = m.rotation.load.torque_S(t, R, w);
-    if constexpr (M::Rotating::gyroscopic)
+    if (m.rotation.has_gyroscopic_term())
       Eigen::Map<Vec3>(d + 9) = angular_acceleration_S(I, w, tau);
     else if constexpr (M::Rotating::has_load)
       Eigen::Map<Vec3>(d + 9) = I.inverse() * tau;

@@ -82,7 +82,6 @@ struct Setting {
   double rtol = 1e-6, atol = 0;  // atol 0: the solver takes its default, equal to rtol
   std::int64_t step_limit = 100'000'000;
   double timeout_s = std::numeric_limits<double>::infinity();
-  int digits = 17;  // of the truth
 
   double absolute_tolerance() const { return atol > 0 ? atol : rtol; }
 };
@@ -102,7 +101,8 @@ struct Claims {
   Claim reversible = Claim::unknown;          // a run forward and one back return to the start
 };
 
-/// A run, set up: call it as often as wanted. The trajectory's memory is reused.
+/// A run, set up: call it as often as wanted, but not from two threads at a time, copies included: they share
+/// the state. The trajectory's memory is reused.
 using Integration = std::function<void(const Grid&, Trajectory&)>;
 
 struct Prepared {

@@ -30,12 +30,4 @@ template <AnyModel M>
   return s;
 }
 
-/// Is every number of the state finite?
-template <class State>
-bool all_finite(const State& y) {
-  double sum = 0;
-  for (const double x : y) sum += x * 0;  // 0 for a finite x, NaN otherwise
-  return sum == 0;
-}
-
 }  // namespace polhode

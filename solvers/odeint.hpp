@@ -2,9 +2,9 @@
 // controlled.
 //
 // The arithmetic of a step is the library's, on std::array through its array_algebra: loops of known length,
-// which the compiler unrolls. Steps of fixed size run in the one loop of solvers/fixed_step.hpp. The loop
-// around a controlled stepper is that of the library's integrate_adaptive (shorten the last step to hit the
-// end) with counters, limits and samples added.
+// which the compiler unrolls. Steps of fixed size run in the one loop of solvers/fixed_step.hpp, controlled
+// ones in that of solvers/adaptive_step.hpp, which shortens the last step to hit the end as the library's
+// integrate_adaptive does.
 //
 // Asked times inside a step are reached by a branch: a second stepper of the same method and tolerance goes
 // from the start of that step to the asked time, and the run goes on as if nobody had looked. So neither
@@ -20,6 +20,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <type_traits>
 
@@ -30,6 +31,7 @@
 #include <boost/numeric/odeint/stepper/controlled_step_result.hpp>
 #include <boost/version.hpp>
 
+#include "solvers/adaptive_step.hpp"
 #include "solvers/fixed_step.hpp"
 
 namespace polhode {
@@ -84,7 +86,7 @@ struct OdeintFixed : QuaternionForm {
 
   /// The same in place, as the library does it with one copy of the state less.
   template <AnyModel M>
-  void advance(const M& m, double t, double h, typename M::State& y) const {
+  [[gnu::flatten]] void advance(const M& m, double t, double h, typename M::State& y) const {
     const auto rhs = [&m](const auto& x, auto& d, double s) { derivative(m, s, x, d); };
     stepper.do_step(rhs, y, t, h);
   }
@@ -137,150 +139,91 @@ boost::numeric::odeint::controlled_runge_kutta<Pair> controlled_pair(const Setti
                     typename Controlled::step_adjuster_type(), blank);
 }
 
-/// First trial step of a controlled run [s]: 0.01 |y|/|y'| in the norm of the tolerances, the first guess of
-/// Hairer, Norsett & Wanner, Solving ODEs I (1993), II.4. A poor guess costs a rejected step or two, no
-/// accuracy.
-template <class State>
-double first_step(const State& y, const State& d, const Setting& setting, double t_end) {
-  double size = 0, rate = 0;
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    const double scale = setting.absolute_tolerance() + setting.rtol * std::abs(y[i]);
-    size = std::max(size, std::abs(y[i]) / scale);
-    rate = std::max(rate, std::abs(d[i]) / scale);
-  }
-  // Where the state or its rate is zero the quotient says nothing: begin carefully.
-  const double h = size < 1e-5 || rate < 1e-5 ? 1e-6 * t_end : 0.01 * size / rate;
-  return std::min(h, t_end);
-}
-
-/// One trial step of a controlled stepper; true if it was accepted. Flattened: the right-hand side of a free
-/// body is a dozen operations, called at a dozen places of a step, and the compiler left to itself makes a
-/// function of it.
-template <class Controlled, class Rhs, class State>
-[[gnu::flatten]] bool try_step_inlined(Controlled& stepper, const Rhs& rhs, State& y, double& t, double& h) {
-  return stepper.try_step(rhs, y, t, h) == boost::numeric::odeint::success;
-}
-
-/// The same for any model: a list of loads is not worth inlining, it walks through memory anyway.
-template <class Controlled, class Rhs, class State>
-bool try_step(Controlled& stepper, const Rhs& rhs, State& y, double& t, double& h) {
-  if constexpr (requires { rhs.model->rotation.load.loads; })
-    return stepper.try_step(rhs, y, t, h) == boost::numeric::odeint::success;
-  else
-    return try_step_inlined(stepper, rhs, y, t, h);
-}
-
-/// Goes from (t, y) to t_to with a fresh controlled stepper; the first trial is the whole way, which the run
-/// has just shown to be possible. Returns false if it cannot be done.
+/// A run of one of the library's controlled steppers.
 template <class Controlled, AnyModel M>
-bool branch_to(Controlled stepper, const M& m, double t, double t_to, typename M::State& y) {
-  std::int64_t uncounted = 0;
-  const OdeintRhs<M> rhs{&m, &uncounted};
-  double h = t_to - t;
-  for (int attempts = 0; attempts < 1000; ++attempts) {
-    const bool last = t + h >= t_to;
-    if (last) h = t_to - t;
-    if (!try_step(stepper, rhs, y, t, h)) continue;
-    if (last) return true;
-  }
-  return false;
-}
+class OdeintControlled final : public AdaptiveSteps {
+ public:
+  template <class Make>
+  OdeintControlled(M model, const Setting& setting, const Make& make)
+      : model_(std::move(model)), setting_(setting), run_(make()), branch_(make()) {}
 
-/// One run of a controlled stepper.
-///
-/// stepper  of the library, fresh or used: it is reset
-/// fresh    returns a stepper of the same kind, for the branches to asked times
-/// out      samples at the asked times; steps are accepted ones
-template <class Controlled, class Fresh, AnyModel M>
-void integrate_controlled(Controlled& stepper, const Fresh& fresh, const M& m, const Setting& setting,
-                          const Grid& grid, Trajectory& out) {
-  using clock = std::chrono::steady_clock;
-  const bool timed = setting.timeout_s < 1e9;
-  const auto began = timed ? clock::now() : clock::time_point{};
-  out.samples.clear();
-  out.samples.reserve(grid.stretches.size() + 1);
-  out.work = {};
-  out.outcome = Outcome::ok;
-  out.reason.clear();
-  const auto fail = [&](Outcome outcome, double t, const std::string& what) {
-    out.outcome = outcome;
-    out.reason = what + " at t = " + std::to_string(t) + " s";
+  void restart(double t_end, Progress& p) override {
+    run_.restart(model_.initial);
+    typename M::State d;
+    model_.rhs(0.0, run_.y.data(), d.data());
+    p.rhs_evals = 1;
+    p.h = first_step(run_.y, d, setting_, t_end);
+  }
+
+  void cruise(double t_stop, std::int64_t limit, Progress& p) override { go(run_, t_stop, limit, p); }
+
+  bool attempt(Progress& p) override {
+    before_ = run_.y;
+    const std::int64_t accepted = p.accepted;
+    go(run_, std::numeric_limits<double>::infinity(), p.attempts + 1, p);
+    return p.accepted > accepted;
+  }
+
+  /// By the branch; its first trial is the whole way, which the run has just shown to be possible.
+  bool sample_within(double t_start, double t, Sample& out) override {
+    branch_.restart(before_);
+    Progress uncounted{.t = t_start, .h = t - t_start};
+    while (uncounted.attempts < 1000 && !uncounted.stuck) {
+      const bool last = uncounted.t + uncounted.h >= t;
+      if (last) uncounted.h = t - uncounted.t;
+      const std::int64_t accepted = uncounted.accepted;
+      go(branch_, std::numeric_limits<double>::infinity(), uncounted.attempts + 1, uncounted);
+      if (!last || uncounted.accepted == accepted) continue;
+      out = observe(model_, t, branch_.y.data());
+      return true;
+    }
+    return false;
+  }
+
+  Sample sample(double t) const override { return observe(model_, t, run_.y.data()); }
+  bool is_finite() const override { return all_finite(run_.y); }
+
+ private:
+  struct Line {
+    Controlled stepper;
+    typename M::State y{};
+
+    void restart(const typename M::State& start) {
+      if constexpr (requires { stepper.reset(); }) stepper.reset();
+      y = start;
+    }
   };
 
-  typename M::State y = m.initial, before;
-  const Sample first = observe(m, 0.0, y.data());
-  if (grid.from_start) out.samples.push_back(first);
-  if (grid.stretches.empty()) return;
-  if constexpr (requires { stepper.reset(); }) stepper.reset();
-  std::int64_t calls = 0, accepted = 0, attempts = 0;
-  const OdeintRhs<M> rhs{&m, &calls};
-  const auto count = [&] { out.work = {accepted, attempts - accepted, calls, 0}; };
-  rhs(y, before, 0.0);
-  const double t_end = grid.end();
-  double t = 0, h = first_step(y, before, setting, t_end);
-  auto asked = grid.stretches.begin();
-  int rejected_in_a_row = 0;
-  for (bool ended = false; !ended;) {
-    if (attempts == setting.step_limit) {
-      count();
-      return fail(Outcome::step_limit, t, "gave up after " + std::to_string(attempts) + " steps");
-    }
-    if (attempts % 1024 == 1023) {
-      if (timed && std::chrono::duration<double>(clock::now() - began).count() > setting.timeout_s) {
-        count();
-        return fail(Outcome::timeout, t, "still running after " + std::to_string(setting.timeout_s) + " s");
-      }
-      if (!all_finite(y)) {  // the library accepts a step whose error is not a number, and keeps its size
-        count();
-        return fail(Outcome::not_finite, t, "a state that is not finite");
-      }
-    }
-    const bool last = t + h >= t_end;
-    if (last) h = t_end - t;
-    const double t_before = t, trial = h;
-    const bool looked_into = asked->t_end < t + h;
-    if (looked_into) before = y;
-    ++attempts;
-    if (!try_step(stepper, rhs, y, t, h)) {
-      // The library grows a step after an error that is not a number, or shrinks it for ever: neither may
-      // hang.
-      if (++rejected_in_a_row == 500 || !(t_before + trial > t_before)) {
-        count();
-        return fail(Outcome::solver_failed, t,
-                    "no acceptable step size: last tried " + std::to_string(trial) + " s");
-      }
-      continue;
-    }
-    rejected_in_a_row = 0;
-    ++accepted;
-    if (last) t = t_end;
-    ended = last;
-    if (!looked_into && !last) continue;
-    if (!all_finite(y)) {
-      count();
-      return fail(Outcome::not_finite, t, "a state that is not finite");
-    }
-    for (; asked != grid.stretches.end() && asked->t_end <= t; ++asked) {
-      Sample s;
-      if (asked->t_end == t) {
-        s = observe(m, t, y.data());
-      } else {
-        typename M::State between = before;
-        if (!branch_to(fresh(), m, t_before, asked->t_end, between)) {
-          count();
-          return fail(Outcome::solver_failed, asked->t_end, "no acceptable step to the asked time");
-        }
-        s = observe(m, asked->t_end, between.data());
-      }
-      if (has_diverged(first, s)) {
-        count();
-        return fail(Outcome::diverged, s.t, "kinetic energy beyond 1e12 times its start");
-      }
-      out.samples.push_back(s);
-    }
+  /// Flattened where the right-hand side is a dozen operations: it is called at a dozen places of a step, and
+  /// the compiler left to itself makes a function of it. A list of loads walks through memory anyway.
+  void go(Line& line, double t_stop, std::int64_t limit, Progress& p) {
+    if constexpr (requires { model_.rotation.load.loads; })
+      go_as_compiled(line, t_stop, limit, p);
+    else
+      go_flattened(line, t_stop, limit, p);
   }
-  count();
-}
+  [[gnu::noinline, gnu::flatten]] void go_flattened(Line& line, double t_stop, std::int64_t limit,
+                                                    Progress& p) {
+    go_as_compiled(line, t_stop, limit, p);
+  }
+  void go_as_compiled(Line& line, double t_stop, std::int64_t limit, Progress& progress) {
+    Progress p = progress;
+    typename M::State y = line.y;
+    const OdeintRhs<M> rhs{&model_, &p.rhs_evals};
+    while (p.t + p.h < t_stop && p.attempts < limit) {
+      const double before = p.t, trial = p.h;
+      if (!p.tell(before, trial, line.stepper.try_step(rhs, y, p.t, p.h) == boost::numeric::odeint::success))
+        break;
+    }
+    line.y = y;
+    progress = p;
+  }
+
+  M model_;
+  Setting setting_;
+  Line run_, branch_;
+  typename M::State before_{};
+};
 
 /// `prepare` of a solver file. A Family names the library's types for a state:
 ///   fixed<State>                 a stepper of solvers/fixed_step.hpp, if it has the knob `steps`
@@ -288,26 +231,21 @@ void integrate_controlled(Controlled& stepper, const Fresh& fresh, const M& m, c
 template <class Family>
 Prepared run_odeint(const Scene& scene, const Setting& setting) {
   return with_model(scene, [&](auto model) -> Prepared {
-    using State = typename decltype(model)::State;
+    using M = decltype(model);
+    using State = typename M::State;
     if constexpr (requires { Family::template controlled<State>(setting); })
       if (setting.knob == Knob::tolerance) {
-        const auto fresh = [setting] { return Family::template controlled<State>(setting); };
-        // Made once: bulirsch_stoer fills a dozen vectors in its constructor. Copies of the run share it, so
-        // that they must not run at the same time.
-        using Controlled = decltype(fresh());
-        const std::shared_ptr<Controlled> stepper(new Controlled(fresh()));
-        return {[=](const Grid& grid, Trajectory& out) {
-                  integrate_controlled(*stepper, fresh, model, setting, grid, out);
-                },
-                {}};
+        const auto make = [&setting] { return Family::template controlled<State>(setting); };
+        using Run = OdeintControlled<decltype(make()), M>;
+        return run_adaptive_steps(std::shared_ptr<AdaptiveSteps>(new Run(std::move(model), setting, make)),
+                                  setting);
       }
     if constexpr (requires { typename Family::template fixed<State>; })
-      if (setting.knob == Knob::steps)
-        return {[=](const Grid& grid, Trajectory& out) {
-                  typename Family::template fixed<State> stepper;
-                  integrate_fixed(stepper, model, setting, grid, out);
-                },
-                {}};
+      if (setting.knob == Knob::steps) {
+        using Stepper = typename Family::template fixed<State>;
+        return run_fixed_steps(std::make_shared<FixedStepsOf<Stepper, M>>(std::move(model)), setting,
+                               Stepper::rhs_per_step);
+      }
     return {{},
             setting.knob == Knob::steps ? "has no fixed step size, only a tolerance"
                                         : "has no tolerance, only a fixed step size"};

@@ -7,11 +7,10 @@
 // 14 (2005).
 #include "solvers/reference.hpp"
 
-#include <ctime>
-
 #include "models/errors.hpp"
 #include "models/model.hpp"
 #include "models/taylor_series.hpp"
+#include "solvers/thread_time.hpp"
 
 namespace polhode {
 namespace {
@@ -108,12 +107,6 @@ std::vector<WideSample> run(const M& m, std::span<const double> times, int order
     if (crossed >= 0) series.flip_sign(crossed);
   }
   return samples;
-}
-
-double thread_seconds() {
-  timespec now{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
-  return static_cast<double>(now.tv_sec) + 1e-9 * static_cast<double>(now.tv_nsec);
 }
 
 }  // namespace

@@ -126,8 +126,8 @@ std::vector<AnyTorque<double>> one_of_each() {
   return {GravityAboutPivot<double>{0.9, Vec3(0, 1, -9.81), Vec3(0.05, 0.08, 0.2)},
           AngularDrag<double>{drag},
           AttitudeSpring<double>{5, 0.4, Quaternion(0.8, 0, 0.6, 0)},
-          BodyTorque<double>{Vec3(0.1, -0.2, 0.3)},
-          SpaceTorque<double>{Vec3(0.1, -0.2, 0.3)},
+          ConstantTorque<double, Frame::body>{Vec3(0.1, -0.2, 0.3)},
+          ConstantTorque<double, Frame::space>{Vec3(0.1, -0.2, 0.3)},
           GravityGradient<double>{0.7, Vec3(0.3, 0.45, 0.6)}};
 }
 

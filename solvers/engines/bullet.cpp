@@ -77,8 +77,9 @@ btVector3 gravity(const M& m) {
 
 /// The flag of the body: a sphere and a particle need no gyroscopic part.
 template <Served M>
-int flag_for(int mode) {
-  if constexpr (M::has_rotation) return M::Rotating::gyroscopic ? mode : no_gyroscopic_term;
+int flag_for(const M& m, int mode) {
+  if constexpr (M::has_rotation)
+    if (m.rotation.has_gyroscopic_term()) return mode;
   return no_gyroscopic_term;
 }
 
@@ -125,7 +126,7 @@ bool is_clipped(const btVector3& w, btScalar h) {
 template <Served M>
 class Alone {
  public:
-  Alone(const M& m, int mode) : m_(m), flag_(flag_for<M>(mode)), body_(construction(m, nullptr)) {
+  Alone(const M& m, int mode) : m_(m), flag_(flag_for(m, mode)), body_(construction(m, nullptr)) {
     body_.setGravity(gravity(m));
   }
   void restart() { put_at_start(m_, body_); }
@@ -176,7 +177,7 @@ template <Served M>
 class InWorld {
  public:
   InWorld(const M& m, int mode) : m_(m), body_(construction(m, &shape_)) {
-    body_.setFlags(flag_for<M>(mode));
+    body_.setFlags(flag_for(m, mode));
     world_.setGravity(gravity(m));
     world_.addRigidBody(&body_);
   }
@@ -240,81 +241,55 @@ Sample sample_of(const M& m, double t, const btRigidBody& body) {
   return s;
 }
 
-std::string reason_of(Limit limit, double t) {
-  const std::string when = " in the step from t = " + std::to_string(t) + " s";
-  return limit == Limit::rotation
-             ? "a rotation of more than pi/4" + when + ", which Bullet cuts to pi/4"
-             : "a gyroscopic torque of more than 100 N m" + when + ", which Bullet cuts to 100 N m";
+std::string reason_of(Limit limit) {
+  return limit == Limit::rotation ? "a rotation of more than pi/4 in a step, which Bullet cuts to pi/4"
+                                  : "a gyroscopic torque of more than 100 N m, which Bullet cuts to 100 N m";
 }
 
-/// The loop of integrate_fixed with one more way to end: a limit of Bullet's, looked for in every step.
+/// Steps of fixed size with one more way to end: a limit of Bullet's, looked for in every step.
 template <class Body, Served M>
-void integrate(const M& m, Body& bullet, const Setting& setting, const Grid& grid, Trajectory& out) {
-  using clock = std::chrono::steady_clock;
-  constexpr std::int64_t steps_per_look = 1024;
-  const bool timed = setting.timeout_s < 1e9;
-  const auto began = timed ? clock::now() : clock::time_point{};
-  out.samples.clear();
-  out.samples.reserve(grid.stretches.size() + 1);
-  out.work = {};
-  out.outcome = Outcome::ok;
-  out.reason.clear();
-  const auto fail = [&](Outcome outcome, std::string reason) {
-    out.outcome = outcome;
-    out.reason = std::move(reason);
-  };
-  bullet.restart();
-  const Sample first = sample_of(m, 0.0, bullet.body());
-  if (grid.from_start) out.samples.push_back(first);
-  double t_start = 0;
-  for (const auto& stretch : grid.stretches) {
-    const btScalar h = btScalar(stretch.h);
-    if (btFuzzyZero(h))
-      return fail(Outcome::solver_failed, "a step size below Bullet's epsilon, at which it stands still");
-    for (std::int64_t i = 0; i < stretch.steps;) {
-      const std::int64_t from = i, until = std::min(stretch.steps, i + steps_per_look);
-      Limit met = Limit::none;
-      for (; i < until && met == Limit::none; ++i)
-        met = bullet.step(t_start + static_cast<double>(i) * stretch.h, h);
-      out.work.steps += i - from;
-      out.work.rhs_evals = out.work.steps;
-      if (met != Limit::none)
-        return fail(Outcome::clamped, reason_of(met, t_start + static_cast<double>(i - 1) * stretch.h));
-      if (timed && std::chrono::duration<double>(clock::now() - began).count() > setting.timeout_s)
-        return fail(Outcome::timeout, "still running after " + std::to_string(setting.timeout_s) + " s");
-      if (!all_finite(state_of<M>(bullet.body())))
-        return fail(Outcome::not_finite,
-                    "a state that is not finite before t = " + std::to_string(stretch.t_end) + " s");
+class BulletSteps final : public FixedSteps {
+ public:
+  BulletSteps(M model, int mode) : model_(std::move(model)), bullet_(model_, mode) {}
+  void restart() override { bullet_.restart(); }
+  std::int64_t advance(double t_start, double h, std::int64_t i, std::int64_t until, Outcome& outcome,
+                       std::string& reason) override {
+    const btScalar bullet_h = btScalar(h);
+    if (btFuzzyZero(bullet_h)) {
+      outcome = Outcome::solver_failed;
+      reason = "a step size below Bullet's epsilon, at which it stands still";
+      return i;
     }
-    const Sample s = sample_of(m, stretch.t_end, bullet.body());
-    if (has_diverged(first, s))
-      return fail(Outcome::diverged, "kinetic energy beyond 1e12 times its start before t = " +
-                                         std::to_string(stretch.t_end) + " s");
-    out.samples.push_back(s);
-    t_start = stretch.t_end;
+    Limit met = Limit::none;
+    for (; i < until && met == Limit::none; ++i)
+      met = bullet_.step(t_start + static_cast<double>(i) * h, bullet_h);
+    if (met != Limit::none) {
+      outcome = Outcome::clamped;
+      reason = reason_of(met);
+    } else if (!all_finite(state_of<M>(bullet_.body()))) {
+      outcome = Outcome::not_finite;
+    }
+    return i;
   }
-}
+  Sample sample(double t) const override { return sample_of(model_, t, bullet_.body()); }
 
-/// Set up once, run often; not by two threads at a time, since Bullet keeps the state in the body.
+ private:
+  M model_;
+  Body bullet_;
+};
+
+/// Set up once, run often.
 template <template <class> class Body>
 Prepared prepare_mode(const Scene& scene, const Setting& setting, int mode) {
-  return with_model(scene, [&](auto model) -> Prepared {
+  std::shared_ptr<FixedSteps> steps = with_model(scene, [&](auto model) -> std::shared_ptr<FixedSteps> {
     using M = decltype(model);
-    if constexpr (Served<M>) {
-      struct Held {
-        Held(M m, int gyroscopic_mode) : model(std::move(m)), bullet(model, gyroscopic_mode) {}
-        M model;
-        Body<M> bullet;
-      };
-      return {[held = std::make_shared<Held>(std::move(model), mode), setting](const Grid& grid,
-                                                                               Trajectory& out) {
-                integrate(held->model, held->bullet, setting, grid, out);
-              },
-              {}};
-    } else {
-      return {{}, "Bullet always integrates the attitude, and the scene asks for the rates alone"};
-    }
+    if constexpr (Served<M>)
+      return std::make_shared<BulletSteps<Body<M>, M>>(std::move(model), mode);
+    else
+      return nullptr;
   });
+  if (!steps) return {{}, "Bullet always integrates the attitude, and the scene asks for the rates alone"};
+  return run_fixed_steps(std::move(steps), setting, 1);
 }
 
 template <template <class> class Body, int mode>
