@@ -8,12 +8,13 @@ namespace {
 
 constexpr std::int64_t attempts_per_look = 1024;  // at the clock and at the state
 
-void integrate(AdaptiveSteps& run, const Setting& setting, const Grid& grid, Trajectory& out) {
+void integrate(AdaptiveSteps& run, const Sample& start, const Setting& setting, const Grid& grid,
+               Trajectory& out) {
   Record record(setting, grid, out);
   const double t_end = grid.end();
   Progress p;
   run.restart(t_end, p);
-  record.start(run.sample(0.0));
+  record.start(start);
   const auto count = [&] { out.work = {p.accepted, p.attempts - p.accepted, p.rhs_evals, p.jacobian_evals}; };
   std::int64_t next_look = attempts_per_look;
   for (auto asked = grid.stretches.begin(); asked != grid.stretches.end();) {
@@ -62,22 +63,20 @@ void integrate(AdaptiveSteps& run, const Setting& setting, const Grid& grid, Tra
 
 }  // namespace
 
-double first_step(std::span<const double> y, std::span<const double> d, const Setting& setting,
-                  double t_end) {
+double first_step(std::span<const double> y, std::span<const double> d, const Setting& setting) {
   double size = 0, rate = 0;
   for (std::size_t i = 0; i < y.size(); ++i) {
     const double scale = setting.absolute_tolerance() + setting.rtol * std::abs(y[i]);
     size = std::max(size, std::abs(y[i]) / scale);
     rate = std::max(rate, std::abs(d[i]) / scale);
   }
-  // Where the state or its rate is zero the quotient says nothing: begin carefully.
-  const double h = size < 1e-5 || rate < 1e-5 ? 1e-6 * t_end : 0.01 * size / rate;
-  return std::min(h, t_end);
+  return size < 1e-5 || rate < 1e-5 ? 0 : 0.01 * size / rate;
 }
 
 Prepared run_adaptive_steps(std::shared_ptr<AdaptiveSteps> steps, const Setting& setting) {
-  return {[steps = std::move(steps), setting](const Grid& grid, Trajectory& out) {
-            integrate(*steps, setting, grid, out);
+  const Sample start = steps->sample(0.0);
+  return {[steps = std::move(steps), start, setting](const Grid& grid, Trajectory& out) {
+            integrate(*steps, start, setting, grid, out);
           },
           {}};
 }

@@ -47,11 +47,12 @@ class AdaptiveSteps {
   virtual bool is_finite() const = 0;
 };
 
-/// The run that takes these steps.
+/// The run that takes these steps, which stand at the start.
 Prepared run_adaptive_steps(std::shared_ptr<AdaptiveSteps> steps, const Setting& setting);
 
 /// First trial step [s]: 0.01 |y|/|y'| in the norm of the tolerances, the first guess of Hairer, Norsett &
-/// Wanner, Solving ODEs I (1993), II.4. A poor guess costs a rejected step or two, no accuracy.
-double first_step(std::span<const double> y, std::span<const double> d, const Setting& setting, double t_end);
+/// Wanner, Solving ODEs I (1993), II.4. Zero where the state or its rate is zero and the quotient says
+/// nothing. A poor guess costs a rejected step or two, no accuracy.
+double first_step(std::span<const double> y, std::span<const double> d, const Setting& setting);
 
 }  // namespace polhode

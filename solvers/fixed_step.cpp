@@ -7,10 +7,11 @@ namespace {
 
 constexpr std::int64_t steps_per_look = 4096;  // at the clock and at the state
 
-void integrate(FixedSteps& run, const Setting& setting, int rhs_per_step, const Grid& grid, Trajectory& out) {
+void integrate(FixedSteps& run, const Sample& start, const Setting& setting, int rhs_per_step,
+               const Grid& grid, Trajectory& out) {
   Record record(setting, grid, out);
   run.restart();
-  record.start(run.sample(0.0));
+  record.start(start);
   double t_start = 0;
   Outcome outcome = Outcome::ok;
   for (const auto& stretch : grid.stretches) {
@@ -34,8 +35,9 @@ void integrate(FixedSteps& run, const Setting& setting, int rhs_per_step, const 
 }  // namespace
 
 Prepared run_fixed_steps(std::shared_ptr<FixedSteps> steps, const Setting& setting, int rhs_per_step) {
-  return {[steps = std::move(steps), setting, rhs_per_step](const Grid& grid, Trajectory& out) {
-            integrate(*steps, setting, rhs_per_step, grid, out);
+  const Sample start = steps->sample(0.0);
+  return {[steps = std::move(steps), start, setting, rhs_per_step](const Grid& grid, Trajectory& out) {
+            integrate(*steps, start, setting, rhs_per_step, grid, out);
           },
           {}};
 }

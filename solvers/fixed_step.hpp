@@ -80,7 +80,8 @@ class FixedStepsOf final : public FixedSteps {
   decltype(S::start(std::declval<const M&>())) y_ = S::start(model_);
 };
 
-/// The run that takes these steps. `rhs_per_step` right-hand sides each, for the work counters.
+/// The run that takes these steps, which stand at the start. `rhs_per_step` right-hand sides each, for the
+/// work counters.
 Prepared run_fixed_steps(std::shared_ptr<FixedSteps> steps, const Setting& setting, int rhs_per_step);
 
 /// `prepare` of a fixed-step solver. S::needs says what a scene lacks that it cannot serve.

@@ -15,6 +15,7 @@ namespace polhode {
 namespace {
 
 struct BulirschStoer {
+  static constexpr bool one_function = true;
   template <class State>
   static auto controlled(const Setting& setting) {
     return boost::numeric::odeint::bulirsch_stoer<State>(setting.absolute_tolerance(), setting.rtol);

@@ -20,6 +20,7 @@ struct Dopri5 {
   template <class State>
   using fixed = OdeintFixedFsal<odeint::runge_kutta_dopri5<State>, 6>;
 
+  static constexpr bool one_function = true;
   template <class State>
   static auto controlled(const Setting& setting) {
     return controlled_pair<odeint::runge_kutta_dopri5<State>>(setting);

@@ -21,6 +21,7 @@ struct Rkf78 {
   template <class State>
   using fixed = OdeintFixed<odeint::runge_kutta_fehlberg78<State>, 13>;
 
+  static constexpr bool one_function = false;
   template <class State>
   static auto controlled(const Setting& setting) {
     return controlled_pair<odeint::runge_kutta_fehlberg78<State>>(setting);

@@ -250,7 +250,7 @@ std::string reason_of(Limit limit) {
 template <class Body, Served M>
 class BulletSteps final : public FixedSteps {
  public:
-  BulletSteps(M model, int mode) : model_(std::move(model)), bullet_(model_, mode) {}
+  BulletSteps(M model, int mode) : model_(std::move(model)), bullet_(model_, mode) { bullet_.restart(); }
   void restart() override { bullet_.restart(); }
   std::int64_t advance(double t_start, double h, std::int64_t i, std::int64_t until, Outcome& outcome,
                        std::string& reason) override {
