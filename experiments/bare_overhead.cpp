@@ -26,6 +26,7 @@
 #include <sunlinsol/sunlinsol_dense.h>
 #include <sunmatrix/sunmatrix_dense.h>
 #include <sunnonlinsol/sunnonlinsol_fixedpoint.h>
+
 #include "solvers/registry.hpp"
 #include "solvers/thread_time.hpp"
 
