@@ -158,7 +158,7 @@ class OdeintControlled final : public AdaptiveSteps {
  public:
   template <class Make>
   OdeintControlled(M model, const Setting& setting, const Make& make)
-      : model_(std::move(model)), run_(make()), branch_(make()) {
+      : model_(std::move(model)), run_{make(), {}}, branch_{make(), {}} {
     typename M::State d;
     model_.rhs(0.0, model_.initial.data(), d.data());
     first_ = first_step(model_.initial, d, setting);
