@@ -56,7 +56,7 @@ int bench_verb(const Options& options) {
       // The arithmetic of a step does not depend on its size: a short one keeps every solver stable and
       // finite.
       const double end[] = {scene.duration};
-      const Grid grid = knob == Knob::tolerance ? grid_of_times(end)
+      const Grid grid = knob != Knob::steps ? grid_of_times(end)
                         : options.h
                             ? grid_of_size(end, *options.h)
                             : grid_of_steps(end, options.steps.value_or(options.quick ? 2048 : 16384));

@@ -17,7 +17,7 @@ namespace {
 constexpr Column drift_columns[] = {
     {"scene", ColumnType::text, "scene id"},
     {"solver", ColumnType::text, "solver id"},
-    {"knob", ColumnType::text, "steps or rtol"},
+    {"knob", ColumnType::text, "steps, rtol or none"},
     {"knob_value", ColumnType::number, "its value"},
     {"t_s", ColumnType::number, "time, s"},
     {"attitude_error_rad", ColumnType::number, "attitude error, rad"},
@@ -30,7 +30,7 @@ constexpr Column drift_columns[] = {
 constexpr Column verdict_columns[] = {
     {"scene", ColumnType::text, "scene id"},
     {"solver", ColumnType::text, "solver id"},
-    {"knob", ColumnType::text, "steps or rtol"},
+    {"knob", ColumnType::text, "steps, rtol or none"},
     {"knob_value", ColumnType::number, "its value"},
     {"quantity", ColumnType::text, "the column of drift.csv that is classified"},
     {"class", ColumnType::text,
@@ -114,9 +114,9 @@ std::vector<Table> drift(const Plan& plan) {
       const Trajectory& run = runs[i];
       std::vector<double> t;
       std::array<std::vector<double>, quantity_count> series;
-      const std::vector<Cell> head{text(scene.id), text(methods[i]->id),
-                                   text(knobs[i] == Knob::steps ? "steps" : "rtol"),
-                                   run.outcome == Outcome::unsupported ? Cell() : Cell(values[i])};
+      const std::vector<Cell> head{
+          text(scene.id), text(methods[i]->id), text(name_of(knobs[i])),
+          run.outcome == Outcome::unsupported || knobs[i] == Knob::none ? Cell() : Cell(values[i])};
       for (std::size_t k = 0; k < run.samples.size(); ++k) {
         const Drifts d = drifts_at(scene, *truth, run.samples[k], truth->truth.samples[k + 1]);
         std::vector<Cell> row = head;

@@ -22,7 +22,7 @@ nlohmann::ordered_json method_json(const Method& m) {
   if (m.by_tolerance) knobs.push_back("rtol");
   return {{"id", m.id},
           {"family", m.family},
-          {"knob", m.default_knob() == Knob::steps ? "steps" : "rtol"},
+          {"knob", name_of(m.default_knob())},
           {"knobs", knobs},
           {"order", order(c.attitude_order)},
           {"summary", m.summary},
@@ -66,9 +66,7 @@ std::string list_solvers(const Options& options) {
   for (const Method* m : methods) {
     const Claims& c = m->claims;
     out += fmt::format("{:<30} {:<14} {:<11} {:<23} {:<10} {}\n", m->id, m->family,
-                       m->by_steps && m->by_tolerance ? "rtol, steps"
-                       : m->by_steps                  ? "steps"
-                                                      : "rtol",
+                       m->by_steps && m->by_tolerance ? "rtol, steps" : name_of(m->default_knob()),
                        fmt::format("{} {} {} {}", order_text(c.attitude_order), order_text(c.rate_order),
                                    order_text(c.energy_order), order_text(c.momentum_order)),
                        claim_text(c.unit_attitude), m->summary);

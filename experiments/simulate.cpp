@@ -124,13 +124,15 @@ int simulate_verb(const Options& options) {
   if (!method.has(knob))
     throw UsageError(fmt::format("solver '{}' {}", method.id,
                                  method.by_steps ? "takes fixed steps; it needs --steps or --h, not --rtol"
-                                                 : "chooses its steps; it needs --rtol, not --steps or --h"));
+                                 : method.by_tolerance
+                                     ? "chooses its steps; it needs --rtol, not --steps or --h"
+                                     : "has neither steps nor a tolerance: leave out --steps, --h, --rtol"));
   if (knob == Knob::steps && !options.chooses_steps())
     throw UsageError(fmt::format("solver '{}' takes fixed steps: it needs --steps N or --h H", method.id));
   Grid grid;
   if (asked.times.empty())
     ;  // the start alone
-  else if (knob == Knob::tolerance)
+  else if (knob != Knob::steps)
     grid = grid_of_times(asked.times);
   else
     grid = options.h ? grid_of_size(asked.times, *options.h) : grid_of_steps(asked.times, *options.steps);

@@ -17,8 +17,8 @@ namespace {
 constexpr Column columns[] = {
     {"scene", ColumnType::text, "scene id"},
     {"solver", ColumnType::text, "solver id"},
-    {"knob", ColumnType::text, "steps or rtol (absolute tolerance equal to it)"},
-    {"knob_value", ColumnType::number, "its value"},
+    {"knob", ColumnType::text, "steps, rtol (absolute tolerance equal to it), or none"},
+    {"knob_value", ColumnType::number, "its value; empty: nothing to set"},
     {"outcome", ColumnType::text, "ok, or why the run failed"},
     {"steps", ColumnType::integer, "accepted steps"},
     {"rejected_steps", ColumnType::integer, "rejected steps"},
@@ -67,7 +67,9 @@ std::vector<Table> work_precision(const Plan& plan) {
       // One value where the options give one, else the whole ladder.
       const Knob knob = plan.options.chooses_steps() && m->by_steps ? Knob::steps : m->default_knob();
       const auto add = [&](double value) { all.push_back({m, knob, value, {}, {}, {}}); };
-      if (knob == Knob::steps && plan.options.steps)
+      if (knob == Knob::none)
+        add(0);
+      else if (knob == Knob::steps && plan.options.steps)
         add(double(*plan.options.steps));
       else if (knob == Knob::steps)
         for (int k = 5; k <= (quick ? 12 : 16); ++k) add(std::ldexp(1.0, k));
@@ -117,12 +119,11 @@ std::vector<Table> work_precision(const Plan& plan) {
         if (c.method == unsupported) continue;  // one row says it
         unsupported = c.method;
       }
-      std::vector<Cell> row{text(scene.id), text(c.method->id),
-                            text(c.knob == Knob::steps ? "steps" : "rtol")};
+      std::vector<Cell> row{text(scene.id), text(c.method->id), text(name_of(c.knob))};
       row.resize(std::size(columns));
       row[4] = text(name_of(c.run.outcome));
       if (c.run.outcome != Outcome::unsupported) {
-        row[3] = c.value;
+        if (c.knob != Knob::none) row[3] = c.value;
         const Work& w = c.run.work;
         row[5] = w.steps;
         row[6] = w.rejected_steps;

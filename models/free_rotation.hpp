@@ -19,15 +19,16 @@
 #include <cmath>
 #include <limits>
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
-
 #include "models/attitude.hpp"
+#include "models/double_double.hpp"
+#include "models/landen.hpp"
+#include "models/momentum_excess.hpp"
 
 namespace polhode {
 
 /// The motion of a free rigid body.
 ///
-/// S   number type of the result: double, long double or Wide. The problem itself is given in doubles.
+/// S   number type: double, long double or Wide
 template <class S>
 class FreeRotation {
  public:
@@ -39,17 +40,26 @@ class FreeRotation {
   /// moments   principal moments [kg m^2], positive; need not be sorted, nor belong to a possible body
   /// q0        attitude at t = 0, principal to space, of any length but zero
   /// w0        rates at t = 0 [rad/s], principal components
-  FreeRotation(const Vec3& moments, const Quaternion& q0, const Vec3& w0)
-      : q0_(normalised<S>(q0.cast<S>())), w0_(w0.cast<S>()) {
+  FreeRotation(const Vec3& moments, const QuaternionT<S>& q0, const Vec3T<S>& w0)
+      : q0_(normalised<S>(q0)), w0_(w0) {
     const Vec3 d(moments.y() - moments.z(), moments.z() - moments.x(), moments.x() - moments.y());
-    if ((d.x() == 0 || w0.y() * w0.z() == 0) && (d.y() == 0 || w0.z() * w0.x() == 0) &&
-        (d.z() == 0 || w0.x() * w0.y() == 0)) {
+    if ((d.x() == 0 || w0.y() * w0.z() == S(0)) && (d.y() == 0 || w0.z() * w0.x() == S(0)) &&
+        (d.z() == 0 || w0.x() * w0.y() == S(0))) {
       kind_ = Kind::steady;
     } else if (d.x() == 0 || d.y() == 0 || d.z() == 0) {
       set_up_symmetric(moments, d);
     } else {
       set_up_triaxial(moments, w0);
     }
+  }
+
+  /// The same in doubles from a set-up in long double, whose phases keep low words: an error that hardly
+  /// grows before t = 1000 periods, for three times the set-up.
+  static FreeRotation extended(const Vec3& moments, const QuaternionT<S>& q0,
+                               const Vec3T<S>& w0) requires std::is_same_v<S, double> {
+    return FreeRotation(
+        FreeRotation<long double>(moments, q0.template cast<long double>(), w0.template cast<long double>()),
+        q0, w0);
   }
 
   /// The state at time t, which may be negative.
@@ -62,9 +72,12 @@ class FreeRotation {
         return {q0_ * exp_rotation<S>(Vec3T<S>(precession_ * t)) * spin, to_body<S>(spin, w0_)};
       }
       case Kind::inside:
-        return place(inside(start_ + rate_ * t), turn_ * t);
-      case Kind::outside:
-        return place(outside(start_ + rate_ * t), turn_ * t);
+        return place(inside(inside_phase(t)), turn_angle(t, S(0)));
+      case Kind::outside: {
+        S turns(0);
+        const S x = outside_phase(t, turns);
+        return place(outside(x, turns), turn_angle(t, turns));
+      }
     }
     return {q0_, w0_};
   }
@@ -85,102 +98,59 @@ class FreeRotation {
   enum class Kind { steady, symmetric, inside, outside };
   static constexpr int digits = std::numeric_limits<S>::digits10 + 1;
   static constexpr int terms = digits <= 20 ? 4 : 7;  // the next would be p^(terms^2) <= 0.0433^(terms^2)
-  static constexpr int longest_mean = 9;
   using Series = std::array<S, terms>;
+  using Pair = Eigen::Array<S, 2, 1>;  // two sums at once
 
-  static S pi() { return S(4) * one_atan(); }
-  static S one_atan() {
-    using std::atan;
-    static const S value = atan(S(1));
-    return value;
-  }
-  static S epsilon() { return std::numeric_limits<S>::epsilon(); }
-
-  // ---- the arithmetic-geometric mean of 1 and b, and Landen's transformation along it
-
-  struct Mean {
-    std::array<S, longest_mean> a, b, d;  // d = a^2 - b^2
-    int steps = 0, circular_steps = 0;
-    S limit;
-
-    /// d0 = 1 - b0^2, given apart because it may be tiny.
-    Mean(const S& b0, const S& d0) {
-      using std::sqrt;
-      S x(1), y = b0, z = d0;
-      // Along a hyperbola d is multiplied by cosh^2 of the phase, at most about its own inverse square root.
-      while (z > epsilon() * epsilon() && steps < longest_mean) {
-        const auto n = static_cast<std::size_t>(steps++);
-        if (z > epsilon() / 4) circular_steps = steps;
-        a[n] = x;
-        b[n] = y;
-        d[n] = z;
-        const S next = (x + y) / 2;
-        y = sqrt(x * y);
-        x = next;
-        z = z / (S(4) * x);
-        z = z * z;
-      }
-      limit = x;
-    }
-
-    /// limit * F(phi | d0) for sin and cos of an amplitude phi in [-pi/2, pi/2].
-    S circular(S sine, S cosine) const {
-      using std::atan2;
-      using std::round;
-      using std::sqrt;
-      S estimate = atan2(sine, cosine);
-      if (circular_steps == 0) return estimate;
-      for (int n = 0; n < circular_steps; ++n) {
-        const auto i = static_cast<std::size_t>(n);
-        const S r = sqrt(b[i] * b[i] + d[i] * cosine * cosine);
-        const S s = (a[i] + b[i]) * sine * cosine / r;
-        cosine = (a[i] * cosine * cosine - b[i] * sine * sine) / r;
-        sine = s;
-        estimate = n == 0 ? atan2(sine, cosine) : S(2) * estimate;
-      }
-      if (circular_steps == 1) return estimate / S(2);
-      // The first step is within the range of atan2; later ones double the phase to within 0.03 of a turn.
-      S phase = atan2(sine, cosine);
-      phase += S(2) * pi() * round((estimate - phase) / (S(2) * pi()));
-      return phase / S(1 << circular_steps);
-    }
-
-    /// limit * integral of 1/sqrt(1 + d0 sinh^2) from 0 to asinh(s).
-    S hyperbolic(S s) const {
-      using std::asinh;
-      using std::sqrt;
-      S c = sqrt(S(1) + s * s);
-      for (int n = 0; n < steps; ++n) {
-        const auto i = static_cast<std::size_t>(n);
-        const S r = sqrt(b[i] * b[i] + d[i] * c * c);
-        const S next = (a[i] + b[i]) * s * c / r;
-        c = (a[i] * c * c + b[i] * s * s) / r;
-        s = next;
-      }
-      return asinh(s) / S(1 << steps);
-    }
-  };
-
-  /// The nome of parameter m <= 1/2 (nearly) and complementary modulus k1.
-  static S nome(S m, S k1) {
-    using std::sqrt;
-    // A descending Landen step squares the nome; below 1e-3 or so the series has its last term beyond 50
-    // digits.
-    int squarings = 0;
-    if constexpr (digits > 20)
-      for (; m > S(1e-12); ++squarings) {
-        const S k = m / ((S(1) + k1) * (S(1) + k1));
-        m = k * k;
-        k1 = S(2) * sqrt(k1) / (S(1) + k1);
-      }
-    const S root = S(1) + sqrt(k1);
-    const S e = m / (S(2) * root * root * (S(1) + k1)), e4 = e * e * e * e;
-    S p = e * (S(1) + e4 * (S(2) + e4 * (S(15) + e4 * (S(150) + e4 * S(1707)))));
-    for (; squarings > 0; --squarings) p = sqrt(p);
-    return p;
-  }
+  static const S& pi() { return half_turn<S>(); }
+  using Mean = LandenMean<S>;
 
   // ---- set-up
+
+  template <class>
+  friend class FreeRotation;
+
+  /// From the constants of a wider type.
+  FreeRotation(const FreeRotation<long double>& x, const QuaternionT<S>& q0,
+               const Vec3T<S>& w0) requires std::is_same_v<S, double>
+      : kind_(static_cast<Kind>(static_cast<int>(x.kind_))),
+        extended_(true),
+        q0_(normalised<S>(q0)),
+        w0_(w0) {
+    const auto words = [](long double from, S& to, S& low) {
+      to = static_cast<S>(from);
+      low = static_cast<S>(from - static_cast<long double>(to));
+    };
+    m1_ = static_cast<S>(x.m1_);
+    if (kind_ == Kind::steady) return;
+    if (kind_ == Kind::symmetric) {
+      precession_ = x.precession_.template cast<S>();
+      spin_ = x.spin_.template cast<S>();
+      return;
+    }
+    axis_ = x.axis_;
+    about_largest_ = x.about_largest_;
+    for (std::size_t i = 0; i < 3; ++i) sign_[i] = static_cast<S>(x.sign_[i]);
+    amplitude_ = x.amplitude_.template cast<S>();
+    n_ = x.n_.template cast<S>();
+    tilt_ = static_cast<S>(x.tilt_);
+    words(x.start_, start_, low_.start);
+    words(x.rate_, rate_, low_.rate);
+    words(x.turn_, turn_, low_.turn);
+    words(x.span_, span_, low_.span);
+    words(x.half_jump_, half_jump_, low_.half_jump);
+    nome_ = static_cast<S>(x.nome_);
+    sn_ = static_cast<S>(x.sn_);
+    cn_ = static_cast<S>(x.cn_);
+    dn_ = static_cast<S>(x.dn_);
+    for (std::size_t i = 0; i < terms; ++i) {
+      square_[i] = static_cast<S>(x.square_[i]);
+      oblong_[i] = static_cast<S>(x.oblong_[i]);
+      odd_pairs_[i] = x.odd_pairs_[i].template cast<S>();
+      even_pairs_[i] = x.even_pairs_[i].template cast<S>();
+      turn_pairs_[i] = x.turn_pairs_[i].template cast<S>();
+    }
+    from_momentum_ = x.from_momentum_.template cast<S>();
+  }
 
   void set_up_symmetric(const Vec3& moments, const Vec3& d) {
     kind_ = Kind::symmetric;
@@ -192,73 +162,55 @@ class FreeRotation {
     spin_[axis] = S((across - along) / across) * w0_[axis];
   }
 
-  /// L^2 - 2 E I_mid from min, mid, max, exactly where it may cancel: its terms are products of four doubles.
-  static S momentum_excess(const Vec3& I, const Vec3& w) {
-    if constexpr (std::is_same_v<S, double>) {
-      const double low = I[0] * (I[1] - I[0]) * (w[0] * w[0]), high = I[2] * (I[2] - I[1]) * (w[2] * w[2]);
-      if (!(std::abs(high - low) < 1e-3 * high)) return high - low;
-    }
-    using Exact = boost::multiprecision::number<
-        boost::multiprecision::cpp_bin_float<480, boost::multiprecision::digit_base_2>,
-        boost::multiprecision::et_off>;
-    const Exact a(I[0]), b(I[1]), c(I[2]), u(w[0]), v(w[2]);
-    return static_cast<S>(Exact(c * (c - b) * v * v - a * (b - a) * u * u));
-  }
-
-  void set_up_triaxial(const Vec3& moments, const Vec3& w0) {
+  void set_up_triaxial(const Vec3& moments, const Vec3T<S>& w0) {
     using std::abs;
     using std::sqrt;
     // Sorted: least, middle, largest moment.
     axis_ = {0, 1, 2};
-    if (moments[axis_[0]] > moments[axis_[1]]) std::swap(axis_[0], axis_[1]);
-    if (moments[axis_[1]] > moments[axis_[2]]) std::swap(axis_[1], axis_[2]);
-    if (moments[axis_[0]] > moments[axis_[1]]) std::swap(axis_[0], axis_[1]);
-    const S excess = momentum_excess(Vec3(moments[axis_[0]], moments[axis_[1]], moments[axis_[2]]),
-                                     Vec3(w0[axis_[0]], w0[axis_[1]], w0[axis_[2]]));
+    for (const std::size_t i : {0u, 1u, 0u})
+      if (moments[axis_[i]] > moments[axis_[i + 1]]) std::swap(axis_[i], axis_[i + 1]);
+    const S excess = momentum_excess<S>(Vec3(moments[axis_[0]], moments[axis_[1]], moments[axis_[2]]),
+                                        w0[axis_[0]], w0[axis_[2]]);
     about_largest_ = excess >= S(0);
     if (!about_largest_) std::swap(axis_[0], axis_[2]);
     // Signs that make w1 and w3 non-negative; the third makes the frame right-handed.
     const bool even = (axis_[1] - axis_[0] + 3) % 3 == 1;
-    sign_[0] = S(w0[axis_[0]] < 0 ? -1 : 1);
-    sign_[2] = S(w0[axis_[2]] < 0 ? -1 : 1);
+    sign_[0] = S(w0[axis_[0]] < S(0) ? -1 : 1);
+    sign_[2] = S(w0[axis_[2]] < S(0) ? -1 : 1);
     sign_[1] = S(even ? 1 : -1) * sign_[0] * sign_[2];
 
     const S I1(moments[axis_[0]]), I2(moments[axis_[1]]), I3(moments[axis_[2]]);
-    const S w1(sign_[0] * S(w0[axis_[0]])), w2(sign_[1] * S(w0[axis_[1]])), w3(sign_[2] * S(w0[axis_[2]]));
+    const S w1(sign_[0] * w0[axis_[0]]), w2(sign_[1] * w0[axis_[1]]), w3(sign_[2] * w0[axis_[2]]);
     // Differences of the given doubles, all with the sign of I3 - I1.
     const S d31 = abs(I3 - I1), d32 = abs(I3 - I2), d21 = abs(I2 - I1);
     const S rho = I2 * d32 / (I1 * d31), root_rho = sqrt(rho);
-    a1_ = sqrt(w1 * w1 + rho * w2 * w2);
-    a2_ = a1_ / root_rho;
-    const S a3_squared_I = I3 * d31 * w3 * w3 + I2 * d21 * w2 * w2;  // I3 d31 a3^2
-    a3_ = sqrt(a3_squared_I / (I3 * d31));
-    I_ = Vec3T<S>(I1, I2, I3);
-    L_ = sqrt(I1 * I1 * w1 * w1 + I2 * I2 * w2 * w2 + I3 * I3 * w3 * w3);
-    const S lambda = a3_ * sqrt(d32 * d31 / (I1 * I2));
-    const S m = d21 * a1_ * a2_ / (I3 * a3_ * lambda);
-    m1_ = d31 * abs(excess) / (d32 * a3_squared_I);
-    if (!(a1_ > S(0)) || !(a3_ > S(0))) {  // rates so small that their squares vanish
+    const S a1 = sqrt(w1 * w1 + rho * w2 * w2), a2 = a1 / root_rho;
+    const S axial = I3 * d31 * w3 * w3 + I2 * d21 * w2 * w2, a3 = sqrt(axial / (I3 * d31));
+    const S L = sqrt(I1 * I1 * w1 * w1 + I2 * I2 * w2 * w2 + I3 * I3 * w3 * w3);
+    const S lambda = a3 * sqrt(d32 * d31 / (I1 * I2));
+    const S m = d21 * a1 * a2 / (I3 * a3 * lambda);
+    m1_ = d31 * abs(excess) / (d32 * axial);
+    if (!(a1 > S(0)) || !(a3 > S(0))) {  // rates so small that their squares vanish
       kind_ = Kind::steady;
       return;
     }
-    const S sine = (about_largest_ ? w2 : S(-w2)) / a2_, cosine = w1 / a1_;
-    // The amplitude of the turn about L: tan = sqrt(I1 (I2 - I3)/(I3 (I1 - I2))), a property of the body, and
-    // its complement.
+    const S side = about_largest_ ? S(1) : S(-1);
+    amplitude_ = Vec3T<S>(a1, side * a2, a3);
+    n_ = Vec3T<S>(I1 * a1, side * I2 * a2, I3 * a3) / L;
+    tilt_ = side * I2 * a2 / (I1 * a1);
+    turn_ = L / (about_largest_ ? I3 : I1);
+    const S sine = side * w2 / a2, cosine = w1 / a1;
+    // The amplitude of the turn about L: tan = sqrt(I1 (I2 - I3)/(I3 (I1 - I2))), a property of the body.
     const S tangent = sqrt(I1 * d32 / (I3 * d21)), k = sqrt(m), k1 = sqrt(m1_);
     if (m <= m1_)
       set_up_inside(Mean(k1, m), nome(m, k1), lambda, sine, cosine, tangent, k);
     else
       set_up_outside(Mean(k, m1_), nome(m1_, k), lambda, sine, cosine, tangent, k, k1);
-    if (!about_largest_) a2_ = -a2_;
-    n_ = Vec3T<S>(I1 * a1_, I2 * a2_, I3 * a3_) / L_;
-    tilt_ = I2 * a2_ / (I1 * a1_);
-    // The attitude relative to the momentum at t = 0.
-    const Polhode p = kind_ == Kind::inside ? inside(start_) : outside(start_);
-    const QuaternionT<S> start = q0_;
-    const std::array<S, 3> v = {start.x(), start.y(), start.z()};
-    const auto turned = [&](std::size_t n) { return S(sign_[n] * v[static_cast<std::size_t>(axis_[n])]); };
-    from_momentum_ =
-        QuaternionT<S>(start.w(), turned(0), turned(1), turned(2)) * about_momentum(p, S(0)).conjugate();
+    S turns(0);
+    const Polhode p = kind_ == Kind::inside ? inside(start_) : outside(outside_phase(S(0), turns), turns);
+    const auto given = [&](std::size_t i) { return S(sign_[i] * q0_.coeffs()[axis_[i]]); };
+    from_momentum_ = QuaternionT<S>(q0_.w(), given(0), given(1), given(2)) *
+                     about_momentum(p, turn_angle(S(0), turns)).conjugate();
   }
 
   void set_up_inside(const Mean& mean, const S& p, const S& lambda, const S& sine, const S& cosine,
@@ -267,7 +219,7 @@ class FreeRotation {
     using std::expm1;
     kind_ = Kind::inside;
     start_ = mean.circular(sine, cosine);
-    rate_ = mean.limit * lambda;
+    rate_ = mean.limit() * lambda;
     // eta and eta' add to ln(1/p)/2; the smaller tangent gives the smaller of the two.
     const bool direct = tangent * tangent * k <= S(1);
     const S eta = mean.hyperbolic(direct ? tangent : S(S(1) / (k * tangent)));
@@ -277,8 +229,10 @@ class FreeRotation {
     S power_E = E, power_P(1);
     for (std::size_t n = 0; n < terms; ++n) {
       const S up = square_[n] * power_P, down = oblong_[n] * power_E;
-      re_[n] = up + down;
-      im_[n] = n == 0 && direct ? gap : S(up - down);
+      const S flip(n % 2 ? -1 : 1);
+      turn_pairs_[n] = Pair(flip * (up + down), n == 0 && direct ? gap : S(flip * (up - down)));
+      odd_pairs_[n] = Pair(flip * oblong_[n], oblong_[n]);
+      even_pairs_[n] = Pair(S(2) * square_[n], S(2) * flip * square_[n]);
       power_E *= E;
       power_P *= P;
     }
@@ -296,16 +250,8 @@ class FreeRotation {
       power_X *= X;
       power_Y *= Y;
     }
-    turn_ = L_ / (about_largest_ ? I_[2] : I_[0]) + rate_ * top / bottom;
-    S t2(0), t3(1), t4(1);
-    for (std::size_t n = 0; n < terms; ++n) t2 += oblong_[n];
-    for (std::size_t n = 1; n < terms; ++n) {
-      t3 += S(2) * square_[n];
-      t4 += (n % 2 ? S(-2) : S(2)) * square_[n];
-    }
-    cn_ = t4 / t2;
-    sn_ = t3 / t2;
-    dn_ = t4 / t3;
+    turn_ += rate_ * top / bottom;
+    set_quotients();
   }
 
   void set_up_outside(const Mean& mean, const S& p, const S& lambda, const S& sine, const S& cosine,
@@ -316,21 +262,22 @@ class FreeRotation {
     using std::sin;
     using std::sqrt;
     kind_ = Kind::outside;
-    rate_ = mean.limit * lambda;
+    rate_ = mean.limit() * lambda;
     nome_ = p;
     span_ = p > S(0) ? S(-log(p)) : std::numeric_limits<S>::infinity();
     // Beyond the middle of the quarter period the complement is the shorter way: tan -> cot/k'.
     if (abs(sine) * sqrt(k1) <= cosine) {
       start_ = mean.hyperbolic(sine / cosine);
     } else {
-      const S rest = span_ / S(2) - mean.hyperbolic(S(cosine / (k1 * abs(sine))));
-      start_ = sine < S(0) ? S(-rest) : rest;
+      const S beyond = span_ / S(2) - mean.hyperbolic(S(cosine / (k1 * abs(sine))));
+      start_ = sine < S(0) ? S(-beyond) : beyond;
     }
     // Half the jump and its complement to pi/2 have tangents whose product is 1/k; the smaller gives both.
     const S w = about_largest_ ? S(S(1) / (k * tangent)) : tangent, cot = S(1) / (k * w);
     const S smaller = w < cot ? w : cot, r = sqrt(S(1) + smaller * smaller);
     const S angle = mean.circular(S(smaller / r), S(S(1) / r));
-    half_jump_ = w < cot ? angle : S(pi() / S(2) - angle);
+    const S rest = S(pi() / S(2) - angle);
+    half_jump_ = about_largest_ ? S(w < cot ? -rest : -angle) : w < cot ? angle : rest;
     set_powers(p);
     const S s = w < cot ? sin(angle) : cos(angle), c = w < cot ? cos(angle) : sin(angle);
     const S twice = S(2) * (c - s) * (c + s);
@@ -341,24 +288,30 @@ class FreeRotation {
       bottom += flip * oblong_[n] * s_now;
       // y = pi/2 - half_jump where the turn is counted from L/I3: cos((2n+1) y) = (-1)^n sin((2n+1)
       // half_jump)
-      re_[n] = about_largest_ ? S(flip * s_now) : c_now;
-      im_[n] = about_largest_ ? S(flip * c_now) : s_now;
+      turn_pairs_[n] = about_largest_ ? Pair(s_now, c_now) : Pair(flip * c_now, flip * s_now);
+      odd_pairs_[n] = Pair(flip, S(1));
+      even_pairs_[n] = Pair(S(1), -flip);
       const S s_next = twice * s_now - s_before, c_next = twice * c_now - c_before;
       s_before = s_now;
       c_before = c_now;
       s_now = s_next;
       c_now = c_next;
     }
-    turn_ = L_ / (about_largest_ ? I_[2] : I_[0]) + rate_ * top / bottom;
-    S t2(0), t3(1), t4(1);
-    for (std::size_t n = 0; n < terms; ++n) t2 += oblong_[n];
+    turn_ += rate_ * top / bottom;
+    set_quotients();
+  }
+
+  /// Factors of the theta quotients that are sn, cn and dn, from the theta constants.
+  void set_quotients() {
+    S t2(1), t3(1), t4(1);
     for (std::size_t n = 1; n < terms; ++n) {
+      t2 += oblong_[n];
       t3 += S(2) * square_[n];
       t4 += (n % 2 ? S(-2) : S(2)) * square_[n];
     }
-    sn_ = t3 / t4;
-    cn_ = t2 / t4;
-    dn_ = t2 / t3;
+    sn_ = kind_ == Kind::inside ? S(t3 / t2) : S(t3 / t4);
+    cn_ = kind_ == Kind::inside ? S(t4 / t2) : S(t2 / t4);
+    dn_ = kind_ == Kind::inside ? S(t4 / t3) : S(t2 / t3);
   }
 
   /// p^(n^2) and p^(n (n + 1)).
@@ -372,6 +325,52 @@ class FreeRotation {
     }
   }
 
+  // ---- phases and angles at a time; where low words are there, in twice the precision of S
+  S inside_phase(const S& t) const {
+    if constexpr (std::is_same_v<S, double>)
+      if (extended_) {
+        const DoubleDouble z =
+            DoubleDouble{rate_, low_.rate} * DoubleDouble{t} + DoubleDouble{start_, low_.start};
+        return less_turns(z, std::round(z.high / full_turn.high), full_turn);
+      }
+    return start_ + rate_ * t;
+  }
+
+  /// Less whole spans, whose number is `turns`.
+  S outside_phase(const S& t, S& turns) const {
+    using std::round;
+    if constexpr (std::is_same_v<S, double>)
+      if (extended_) {
+        const DoubleDouble x =
+            DoubleDouble{rate_, low_.rate} * DoubleDouble{t} + DoubleDouble{start_, low_.start};
+        if (!(nome_ > 0)) return x.high;
+        turns = std::round(x.high / span_);
+        return less_turns(x, turns, {span_, low_.span});
+      }
+    const S x = start_ + rate_ * t;
+    if (!(nome_ > S(0))) return x;
+    turns = round(S(x / span_));
+    return x - turns * span_;
+  }
+
+  /// The uniform part of the turn about L.
+  S turn_angle(const S& t, const S& turns) const {
+    if constexpr (std::is_same_v<S, double>)
+      if (extended_) {
+        const DoubleDouble angle = DoubleDouble{turn_, low_.turn} * DoubleDouble{t} +
+                                   DoubleDouble{half_jump_, low_.half_jump} * DoubleDouble{2 * turns};
+        return less_turns(angle, 2 * std::round(angle.high / (2 * full_turn.high)),
+                          full_turn);  // q knows half turns
+      }
+    return turn_ * t + S(2) * half_jump_ * turns;
+  }
+
+  static constexpr DoubleDouble full_turn{6.283185307179586, 2.4492935982947064e-16};
+  static double less_turns(const DoubleDouble& x, double n, const DoubleDouble& unit) {
+    const DoubleDouble y = x + unit * DoubleDouble{-n};
+    return y.high + y.low;
+  }
+
   // ---- evaluation
 
   /// A point of the polhode: Jacobi functions, and e^(i angle) times a positive number for the part of the
@@ -379,7 +378,6 @@ class FreeRotation {
   struct Polhode {
     S sn, cn, dn;  // of the true phase
     S re, im;
-    S jump{};  // of the uniform part of the angle
   };
 
   /// z = pi u/(2 K)
@@ -387,77 +385,49 @@ class FreeRotation {
     using std::cos;
     using std::sin;
     const S s = sin(z), c = cos(z), twice = S(2) * (c - s) * (c + s);  // 2 cos 2z
-    S s_now = s, c_now = c, s_before = -s, c_before = c;               // of (2n + 1) z
-    S even_now = twice / S(2), even_before(1);                         // cos 2nz
-    S S1 = s, C2 = c, t3(1), t4(1), re = re_[0] * s, im = im_[0] * c;
+    Pair now(s, c), before(-s, c);                                     // sin and cos of (2n + 1) z
+    Pair even_now(twice / S(2), twice / S(2)), even_before(S(1), S(1));
+    Pair odd_sums = now, even_sums(S(1), S(1)), turn = turn_pairs_[0] * now;
     for (std::size_t n = 1; n < terms; ++n) {
-      const S s_next = twice * s_now - s_before, c_next = twice * c_now - c_before;
-      s_before = s_now;
-      c_before = c_now;
-      s_now = s_next;
-      c_now = c_next;
-      const S even = S(2) * square_[n] * even_now;
-      t3 += even;
-      C2 += oblong_[n] * c_now;
-      if (n % 2) {
-        t4 -= even;
-        S1 -= oblong_[n] * s_now;
-        re -= re_[n] * s_now;
-        im -= im_[n] * c_now;
-      } else {
-        t4 += even;
-        S1 += oblong_[n] * s_now;
-        re += re_[n] * s_now;
-        im += im_[n] * c_now;
-      }
-      const S even_next = twice * even_now - even_before;
+      const Pair next = twice * now - before;
+      before = now;
+      now = next;
+      odd_sums += odd_pairs_[n] * now;
+      turn += turn_pairs_[n] * now;
+      even_sums += even_pairs_[n] * even_now;
+      const Pair even_next = twice * even_now - even_before;
       even_before = even_now;
       even_now = even_next;
     }
-    const S inverse = S(1) / t4;
-    return {sn_ * S1 * inverse, cn_ * C2 * inverse, dn_ * t3 * inverse, re, im, S(0)};
+    const S inverse = S(1) / even_sums[1];
+    return {sn_ * odd_sums[0] * inverse, cn_ * odd_sums[1] * inverse, dn_ * even_sums[0] * inverse, turn[0],
+            turn[1]};
   }
 
-  /// x = pi u/(2 K')
-  Polhode outside(S x) const {
+  /// x = pi u/(2 K') less so many whole spans
+  Polhode outside(const S& x, const S& turns) const {
     using std::abs;
     using std::exp;
     using std::round;
-    S turns(0);
-    if (nome_ > S(0)) {
-      turns = round(x / span_);
-      x -= turns * span_;
-    }
-    const S E = exp(S(-2) * abs(x)), P = nome_ > S(0) ? S(nome_ / E) : S(0);  // e^(-2|x|), p' e^(2|x|)
-    // Everything times e^(-|x|): sinh and cosh of (2n + 1)|x|, and cosh of 2n|x| times e^|x|.
-    S S1(0), C2(0), t3(1), t4(1), re(0), im(0), power_E = E, power_P(1);
+    // Everything times 2 e^(-|x|): sinh and cosh of (2n + 1)|x|; cosh of 2n|x| times another e^|x|.
+    const S e = exp(-abs(x)), E = e * e, P = nome_ > S(0) ? S(nome_ / E) : S(0);  // e^(-2|x|), p' e^(2|x|)
+    Pair odd_sums(S(0), S(0)), even_sums(S(1), S(1)), turn(S(0), S(0));
+    S power_E = E, power_P(1);
     for (std::size_t n = 0; n < terms; ++n) {
       const S up = square_[n] * power_P, down = oblong_[n] * power_E;
-      const S sinh_n = up - down, cosh_n = up + down, flip(n % 2 ? -1 : 1);
-      S1 += flip * sinh_n;
-      C2 += cosh_n;
-      re += flip * sinh_n * re_[n];
-      im += flip * cosh_n * im_[n];
+      const Pair hyperbolic(up - down, up + down);
+      odd_sums += odd_pairs_[n] * hyperbolic;
+      turn += turn_pairs_[n] * hyperbolic;
       power_P *= P;
-      if (n + 1 < terms) {
-        const S even = oblong_[n] * power_P + square_[n + 1] * power_E;
-        t3 += even;
-        t4 += n % 2 ? even : S(-even);
-      }
+      if (n + 1 < terms) even_sums += (oblong_[n] * power_P + square_[n + 1] * power_E) * even_pairs_[n];
       power_E *= E;
     }
-    const S inverse = S(1) / C2, decay = S(2) * exp(-abs(x)) * inverse;
+    const S inverse = S(1) / odd_sums[1], decay = S(2) * e * inverse;
     const bool odd = turns / S(2) != round(S(turns / S(2)));
-    const S flip(odd ? -1 : 1);
-    if (x < S(0)) {
-      S1 = -S1;
-      re = -re;
-    }
-    Polhode p{flip * sn_ * S1 * inverse, flip * cn_ * t4 * decay, dn_ * t3 * decay, re, im,
-              S(2) * half_jump_ * turns};
-    // theta_1 and n2 + i n1 change sign together from one span to the next, and about_momentum sees only the
-    // latter; counted from L/I3 the angle jumps by pi as well.
-    if (odd != (about_largest_ && odd)) {
+    const S flip(odd ? -1 : 1), side(x < S(0) ? -1 : 1);
+    Polhode p{flip * side * sn_ * odd_sums[0] * inverse, flip * cn_ * even_sums[1] * decay,
+              dn_ * even_sums[0] * decay, side * turn[0], turn[1]};
+    if (odd) {  // theta_1 and n2 + i n1 change sign together from one span to the next
       p.re = -p.re;
       p.im = -p.im;
     }
@@ -473,16 +443,14 @@ class FreeRotation {
     // n = L_B/|L|, and n2 + i n1 over I1 a1/|L|, so that it has a direction however small it is.
     const S n1 = n_[0] * p.cn, n2 = n_[1] * p.sn, n3 = n_[2] * p.dn;
     const S x = tilt_ * p.sn, y = p.cn;
-    // e^(i angle) (re - i side im)(x + i y) has the angle of the turn; its half, from |.|, needs no
-    // arctangent.
-    const S im = side * p.im, total = angle + p.jump;
-    const S u = p.re * x + im * y, v = p.re * y - im * x;
-    const S ca = cos(total), sa = sin(total);
-    const S c = u * ca - v * sa, s = u * sa + v * ca, r = sqrt(c * c + s * s);
-    const bool near = c >= S(0);
-    const S sum = near ? S(r + c) : S(r - c);
-    const S scale = S(1) / sqrt(S(4) * r * sum * (S(1) + n3));
-    const S half_c = (near ? sum : s) * scale, half_s = (near ? s : sum) * scale;
+    // side (re - i side im)(x + i y) has a positive real part and the angle of the rest of the turn: its half
+    // needs no arctangent, and the attitude stays on its branch, q(t) continuous with q(0).
+    const S im = side * p.im;
+    const S u = side * (p.re * x + im * y), v = side * (p.re * y - im * x), r = sqrt(u * u + v * v),
+            c = r + u;
+    const S scale = S(1) / (S(2) * sqrt(r * c * (S(1) + n3)));
+    const S ca = cos(S(angle / S(2))) * scale, sa = sin(S(angle / S(2))) * scale;
+    const S half_c = c * ca - v * sa, half_s = c * sa + v * ca;
     // (half_c, 0, 0, half_s) (1 + n3, n2, -n1, 0)
     return QuaternionT<S>(half_c * (S(1) + n3), half_c * n2 + half_s * n1, half_s * n2 - half_c * n1,
                           half_s * (S(1) + n3));
@@ -491,7 +459,8 @@ class FreeRotation {
   State place(const Polhode& p, const S& angle) const {
     const QuaternionT<S> q = from_momentum_ * about_momentum(p, angle);
     const Vec3T<S> v(sign_[0] * q.x(), sign_[1] * q.y(), sign_[2] * q.z());
-    const Vec3T<S> w(sign_[0] * a1_ * p.cn, sign_[1] * a2_ * p.sn, sign_[2] * a3_ * p.dn);
+    const Vec3T<S> w(sign_[0] * amplitude_[0] * p.cn, sign_[1] * amplitude_[1] * p.sn,
+                     sign_[2] * amplitude_[2] * p.dn);
     State state;
     state.q.w() = q.w();
     for (std::size_t i = 0; i < 3; ++i) {
@@ -502,6 +471,7 @@ class FreeRotation {
   }
 
   Kind kind_ = Kind::steady;
+  bool extended_ = false;
   QuaternionT<S> q0_;
   Vec3T<S> w0_;
   Vec3T<S> precession_, spin_;  // symmetric: rates of the two turns, body components
@@ -510,15 +480,19 @@ class FreeRotation {
   std::array<int, 3> axis_{0, 1, 2};
   std::array<S, 3> sign_{S(1), S(1), S(1)};
   bool about_largest_ = true;
-  Vec3T<S> I_;
-  S L_{}, a1_{}, a2_{}, a3_{}, m1_{1};  // amplitudes of the rates; a2 has the sign of I3 - I1
-  Vec3T<S> n_;                          // and of L_B/|L|
-  S tilt_{};                            // n_[1]/n_[0]
-  S start_{}, rate_{}, turn_{};         // phase at t = 0 and its rate, uniform rate of the turn about L
-  S nome_{}, span_{}, half_jump_{};     // outside: p', the phase between jumps, half the jump
-  S sn_{}, cn_{}, dn_{};                // factors of the theta quotients
-  Series square_{}, oblong_{}, re_{}, im_{};
-  QuaternionT<S> from_momentum_{S(1), S(0), S(0), S(0)};  // to space, by way of q0; in axes (1, 2, 3)
+  S m1_{1};
+  Vec3T<S> amplitude_;           // of the rates; the second has the sign of I3 - I1
+  Vec3T<S> n_;                   // and of L_B/|L|
+  S tilt_{};                     // n_[1]/n_[0]
+  S start_{}, rate_{}, turn_{};  // phase at t = 0 and its rate, uniform rate of the turn about L
+  struct {
+    S start{}, rate{}, turn{}, span{}, half_jump{};
+  } low_;                            // words below those of the same names
+  S nome_{}, span_{}, half_jump_{};  // outside: p', the phase between jumps, half the jump
+  S sn_{}, cn_{}, dn_{};             // factors of the theta quotients
+  Series square_{}, oblong_{};       // p^(n^2), p^(n (n + 1))
+  std::array<Pair, terms> odd_pairs_, even_pairs_, turn_pairs_;  // factors in the sums of evaluation
+  QuaternionT<S> from_momentum_{S(1), S(0), S(0), S(0)};         // to space, by way of q0; in axes (1, 2, 3)
 };
 
 }  // namespace polhode

@@ -6,16 +6,19 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
 namespace polhode {
-using Wide =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<50>, boost::multiprecision::et_off>;
+template <unsigned decimal_digits>
+using Decimal = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<decimal_digits>,
+                                              boost::multiprecision::et_off>;
+using Wide = Decimal<50>;
+using Narrower = Decimal<40>;  // what a closed form in Wide is checked against
 }  // namespace polhode
 
 namespace Eigen {
-template <>
-struct NumTraits<polhode::Wide> : GenericNumTraits<polhode::Wide> {
-  using Real = polhode::Wide;
-  using NonInteger = polhode::Wide;
-  using Nested = polhode::Wide;
+template <unsigned decimal_digits>
+struct NumTraits<polhode::Decimal<decimal_digits>> : GenericNumTraits<polhode::Decimal<decimal_digits>> {
+  using Real = polhode::Decimal<decimal_digits>;
+  using NonInteger = Real;
+  using Nested = Real;
   using Literal = double;
   enum {
     IsComplex = 0,

@@ -74,7 +74,9 @@ struct Grid {
   }
 };
 
-enum class Knob { steps, tolerance };
+/// none: there is nothing to set (closed forms, the truth).
+enum class Knob { steps, tolerance, none };
+std::string_view name_of(Knob knob);
 
 /// What a user sets, and what bounds a run.
 struct Setting {
@@ -121,8 +123,10 @@ struct Method {
       {};  // coefficients of R(z) in ascending powers; empty: not polynomial
   Prepared (*prepare)(const Scene&, const Setting&) = nullptr;
 
-  Knob default_knob() const { return by_tolerance ? Knob::tolerance : Knob::steps; }
-  bool has(Knob knob) const { return knob == Knob::steps ? by_steps : by_tolerance; }
+  Knob default_knob() const { return by_tolerance ? Knob::tolerance : by_steps ? Knob::steps : Knob::none; }
+  bool has(Knob knob) const {
+    return knob == Knob::steps ? by_steps : knob == Knob::tolerance ? by_tolerance : default_knob() == knob;
+  }
 };
 
 /// The rows of one solver file (variants of one method are rows of one file).

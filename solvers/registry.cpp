@@ -79,6 +79,10 @@ std::vector<const Method*> select_methods(const std::vector<std::string>& patter
   return result;
 }
 
+std::string_view name_of(Knob knob) {
+  return knob == Knob::steps ? "steps" : knob == Knob::tolerance ? "rtol" : "none";
+}
+
 std::string_view name_of(Outcome outcome) {
   switch (outcome) {
     case Outcome::ok:

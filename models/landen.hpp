@@ -1,0 +1,115 @@
+// Phases of elliptic functions by the arithmetic-geometric mean, and the nome, in any number type.
+//
+// With a_0 = 1, b_0 = k', the amplitude phi_n of a Landen step obeys tan(phi_{n+1} - phi_n) = (b_n/a_n) tan
+// phi_n, and F(phi | k^2) = phi_N/(2^N a_N); for an imaginary amplitude the tangents are hyperbolic. Carried
+// here on sine and cosine, whose recurrences are quotients of sums: no arctangent is taken before the last
+// step, and nothing cancels. Sources: DLMF 19.8, 20.9, 22.20; Abramowitz & Stegun 17.3.21 (the series of the
+// nome).
+#pragma once
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace polhode {
+
+/// Half a turn, in S.
+template <class S>
+const S& half_turn() {
+  using std::atan;
+  static const S value = S(4) * atan(S(1));
+  return value;
+}
+
+/// The arithmetic-geometric mean of 1 and b, and Landen's transformation along it.
+template <class S>
+class LandenMean {
+ public:
+  /// d0 = 1 - b0^2, given apart because it may be tiny.
+  LandenMean(const S& b0, const S& d0) {
+    using std::sqrt;
+    S x(1), y = b0, z = d0;
+    // Along a hyperbola d is multiplied by cosh^2 of the phase, at most about its own inverse square root.
+    while (z > epsilon() * epsilon() && steps_ < longest) {
+      const auto n = static_cast<std::size_t>(steps_++);
+      if (z > epsilon() / 4) circular_steps_ = steps_;
+      a_[n] = x;
+      b_[n] = y;
+      d_[n] = z;
+      const S next = (x + y) / 2;
+      y = sqrt(x * y);
+      x = next;
+      z = z / (S(4) * x);
+      z = z * z;
+    }
+    limit_ = x;
+  }
+
+  /// limit * F(phi | d0) for sin and cos of an amplitude phi in [-pi/2, pi/2].
+  S circular(S sine, S cosine) const {
+    using std::atan2;
+    using std::round;
+    using std::sqrt;
+    S estimate = atan2(sine, cosine);
+    if (circular_steps_ == 0) return estimate;
+    for (int n = 0; n < circular_steps_; ++n) {
+      const auto i = static_cast<std::size_t>(n);
+      const S r = sqrt(b_[i] * b_[i] + d_[i] * cosine * cosine);
+      const S s = (a_[i] + b_[i]) * sine * cosine / r;
+      cosine = (a_[i] * cosine * cosine - b_[i] * sine * sine) / r;
+      sine = s;
+      estimate = n == 0 ? atan2(sine, cosine) : S(2) * estimate;
+    }
+    if (circular_steps_ == 1) return estimate / S(2);
+    // The first step is within the range of atan2; later ones double the phase to within 0.03 of a turn.
+    S phase = atan2(sine, cosine);
+    phase += S(2) * half_turn<S>() * round((estimate - phase) / (S(2) * half_turn<S>()));
+    return phase / S(1 << circular_steps_);
+  }
+
+  /// limit * integral of 1/sqrt(1 + d0 sinh^2) from 0 to asinh(s).
+  S hyperbolic(S s) const {
+    using std::asinh;
+    using std::sqrt;
+    S c = sqrt(S(1) + s * s);
+    for (int n = 0; n < steps_; ++n) {
+      const auto i = static_cast<std::size_t>(n);
+      const S r = sqrt(b_[i] * b_[i] + d_[i] * c * c);
+      const S next = (a_[i] + b_[i]) * s * c / r;
+      c = (a_[i] * c * c + b_[i] * s * s) / r;
+      s = next;
+    }
+    return asinh(s) / S(1 << steps_);
+  }
+
+  /// The mean itself: pi/2 over the complete integral.
+  const S& limit() const { return limit_; }
+
+ private:
+  static constexpr int longest = 9;  // d is squared at each step: the eighth is beyond any type used here
+  static S epsilon() { return std::numeric_limits<S>::epsilon(); }
+  std::array<S, longest> a_, b_, d_;  // d = a^2 - b^2
+  int steps_ = 0, circular_steps_ = 0;
+  S limit_;
+};
+
+/// The nome of parameter m <= 1/2 (nearly) and complementary modulus k1.
+template <class S>
+S nome(S m, S k1) {
+  using std::sqrt;
+  // A descending Landen step squares the nome; below 1e-3 or so the series has its last term beyond 50
+  // digits.
+  int squarings = 0;
+  if constexpr (std::numeric_limits<S>::digits10 > 19)
+    for (; m > S(1e-12); ++squarings) {
+      const S k = m / ((S(1) + k1) * (S(1) + k1));
+      m = k * k;
+      k1 = S(2) * sqrt(k1) / (S(1) + k1);
+    }
+  const S root = S(1) + sqrt(k1);
+  const S e = m / (S(2) * root * root * (S(1) + k1)), e4 = e * e * e * e;
+  S p = e * (S(1) + e4 * (S(2) + e4 * (S(15) + e4 * (S(150) + e4 * S(1707)))));
+  for (; squarings > 0; --squarings) p = sqrt(p);
+  return p;
+}
+
+}  // namespace polhode

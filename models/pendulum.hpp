@@ -1,0 +1,71 @@
+// The plane pendulum phi'' = -Omega^2 sin phi, in any number type: phi/2 is the amplitude of a Jacobi
+// function.
+//
+//   libration   sin(phi/2) = k sn(Omega t + u0, k),  k^2 = sin^2(phi_0/2) + (phi_0'/(2 Omega))^2 < 1
+//   rotation    phi/2 = am(k Omega t + u0, 1/k),     k^2 > 1
+//
+// Source: DLMF 22.19(i).
+#pragma once
+#include <boost/math/special_functions/jacobi_elliptic.hpp>
+
+#include "models/landen.hpp"
+
+namespace polhode {
+
+template <class S>
+class Pendulum {
+ public:
+  struct State {
+    S sine, cosine;  // of phi/2
+    S rate;          // phi'
+  };
+
+  /// omega        Omega > 0 [1/s]
+  /// sine, cosine of phi/2 at t = 0;   rate   phi' at t = 0
+  Pendulum(const S& omega, const S& sine, const S& cosine, const S& rate) : omega_(omega) {
+    using std::abs;
+    using std::sqrt;
+    const S half = rate / (S(2) * omega), m = sine * sine + half * half;
+    energy_gap_ = cosine * cosine - half * half;  // 1 - k^2, from terms that are squares of data
+    k_ = sqrt(m);
+    if (librates()) {
+      if (!(k_ > S(0))) return;  // at rest
+      start_ = amplitude_phase(S(sine / k_), S(half / k_), m, energy_gap_);
+    } else if (rotates()) {
+      direction_ = S(rate < S(0) ? -1 : 1);
+      start_ = amplitude_phase(S(direction_ * sine), cosine, S(S(1) / m), S(-energy_gap_ / m));
+    }
+  }
+
+  bool librates() const { return energy_gap_ > S(0); }
+  bool rotates() const { return energy_gap_ < S(0); }
+  /// Largest sin^2(phi/2) of a libration.
+  S modulus_squared() const { return k_ * k_; }
+
+  State at(const S& t) const {
+    using boost::math::jacobi_elliptic;
+    S cn, dn;
+    if (librates()) {
+      if (!(k_ > S(0))) return {S(0), S(1), S(0)};
+      const S sn = jacobi_elliptic(k_, S(omega_ * t + start_), &cn, &dn);
+      return {k_ * sn, dn, S(2) * k_ * omega_ * cn};
+    }
+    const S sn = jacobi_elliptic(S(S(1) / k_), S(k_ * omega_ * t + start_), &cn, &dn);
+    return {direction_ * sn, cn, direction_ * S(2) * k_ * omega_ * dn};
+  }
+
+ private:
+  /// u with sn u and cn u as given.
+  static S amplitude_phase(const S& sn, const S& cn, const S& m, const S& m1) {
+    using std::abs;
+    using std::sqrt;
+    const LandenMean<S> mean(S(sqrt(m1)), m);
+    const S u = mean.circular(sn, S(abs(cn))) / mean.limit();
+    if (!(cn < S(0))) return u;
+    return half_turn<S>() / mean.limit() - u;  // 2 K - u
+  }
+
+  S omega_, k_, energy_gap_, start_{0}, direction_{1};
+};
+
+}  // namespace polhode
