@@ -6,6 +6,7 @@
 
 #include "experiments/grid.hpp"
 #include "experiments/question.hpp"
+#include "models/closed_form.hpp"
 
 namespace polhode {
 
