@@ -18,11 +18,13 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "models/attitude.hpp"
 #include "models/double_double.hpp"
 #include "models/landen.hpp"
 #include "models/momentum_excess.hpp"
+#include "models/theta_sums.hpp"
 
 namespace polhode {
 
@@ -71,12 +73,16 @@ class FreeRotation {
         const QuaternionT<S> spin = exp_rotation<S>(Vec3T<S>(spin_ * t));
         return {q0_ * exp_rotation<S>(Vec3T<S>(precession_ * t)) * spin, to_body<S>(spin, w0_)};
       }
-      case Kind::inside:
-        return place(inside(inside_phase(t)), turn_angle(t, S(0)));
+      case Kind::inside: {
+        // The turn first: nothing waits for it, and it waits for nothing.
+        const Direction half_angle = half_turn_angle(t, S(0));
+        return place(sums_.inside(inside_phase(t)), half_angle);
+      }
       case Kind::outside: {
         S turns(0);
         const S x = outside_phase(t, turns);
-        return place(outside(x, turns), turn_angle(t, turns));
+        const Direction half_angle = half_turn_angle(t, turns);
+        return place(sums_.outside(x, turns), half_angle);
       }
     }
     return {q0_, w0_};
@@ -96,11 +102,10 @@ class FreeRotation {
 
  private:
   enum class Kind { steady, symmetric, inside, outside };
-  static constexpr int digits = std::numeric_limits<S>::digits10 + 1;
-  static constexpr int terms = digits <= 20 ? 4 : 7;  // the next would be p^(terms^2) <= 0.0433^(terms^2)
-  using Series = std::array<S, terms>;
-  using Pair = Eigen::Array<S, 2, 1>;  // two sums at once
-
+  using Sums = ThetaSums<S>;
+  using Pair = typename Sums::Pair;
+  using Polhode = PolhodePoint<S>;
+  static constexpr int terms = Sums::terms;
   static const S& pi() { return half_turn<S>(); }
   using Mean = LandenMean<S>;
 
@@ -133,22 +138,13 @@ class FreeRotation {
     amplitude_ = x.amplitude_.template cast<S>();
     n_ = x.n_.template cast<S>();
     tilt_ = static_cast<S>(x.tilt_);
+    modulus_ = static_cast<S>(x.modulus_);
     words(x.start_, start_, low_.start);
     words(x.rate_, rate_, low_.rate);
     words(x.turn_, turn_, low_.turn);
     words(x.span_, span_, low_.span);
     words(x.half_jump_, half_jump_, low_.half_jump);
-    nome_ = static_cast<S>(x.nome_);
-    sn_ = static_cast<S>(x.sn_);
-    cn_ = static_cast<S>(x.cn_);
-    dn_ = static_cast<S>(x.dn_);
-    for (std::size_t i = 0; i < terms; ++i) {
-      square_[i] = static_cast<S>(x.square_[i]);
-      oblong_[i] = static_cast<S>(x.oblong_[i]);
-      odd_pairs_[i] = x.odd_pairs_[i].template cast<S>();
-      even_pairs_[i] = x.even_pairs_[i].template cast<S>();
-      turn_pairs_[i] = x.turn_pairs_[i].template cast<S>();
-    }
+    sums_.narrow(x.sums_);
     from_momentum_ = x.from_momentum_.template cast<S>();
   }
 
@@ -195,7 +191,7 @@ class FreeRotation {
       return;
     }
     const S side = about_largest_ ? S(1) : S(-1);
-    amplitude_ = Vec3T<S>(a1, side * a2, a3);
+    amplitude_ = Vec3T<S>(sign_[0] * a1, sign_[1] * side * a2, sign_[2] * a3);
     n_ = Vec3T<S>(I1 * a1, side * I2 * a2, I3 * a3) / L;
     tilt_ = side * I2 * a2 / (I1 * a1);
     turn_ = L / (about_largest_ ? I3 : I1);
@@ -207,10 +203,13 @@ class FreeRotation {
     else
       set_up_outside(Mean(k, m1_), nome(m1_, k), lambda, sine, cosine, tangent, k, k1);
     S turns(0);
-    const Polhode p = kind_ == Kind::inside ? inside(start_) : outside(outside_phase(S(0), turns), turns);
+    const Polhode p =
+        kind_ == Kind::inside ? sums_.inside(start_) : sums_.outside(outside_phase(S(0), turns), turns);
+    const S x = tilt_ * p.sn, y = p.cn;
+    modulus_ = sqrt((p.re * p.re + p.im * p.im) / (x * x + y * y)) / p.weight;
     const auto given = [&](std::size_t i) { return S(sign_[i] * q0_.coeffs()[axis_[i]]); };
     from_momentum_ = QuaternionT<S>(q0_.w(), given(0), given(1), given(2)) *
-                     about_momentum(p, turn_angle(S(0), turns)).conjugate();
+                     about_momentum(p, half_turn_angle(S(0), turns)).conjugate();
   }
 
   void set_up_inside(const Mean& mean, const S& p, const S& lambda, const S& sine, const S& cosine,
@@ -218,6 +217,7 @@ class FreeRotation {
     using std::exp;
     using std::expm1;
     kind_ = Kind::inside;
+    sums_.set_up(p, true);
     start_ = mean.circular(sine, cosine);
     rate_ = mean.limit() * lambda;
     // eta and eta' add to ln(1/p)/2; the smaller tangent gives the smaller of the two.
@@ -225,14 +225,11 @@ class FreeRotation {
     const S eta = mean.hyperbolic(direct ? tangent : S(S(1) / (k * tangent)));
     const S near = exp(S(-2) * eta), far = p / near, gap = -expm1(S(-2) * eta);  // gap = 1 - near
     const S E = direct ? near : far, P = direct ? far : near;  // e^(-2 eta), p e^(2 eta) = e^(-2 eta')
-    set_powers(p);
     S power_E = E, power_P(1);
     for (std::size_t n = 0; n < terms; ++n) {
-      const S up = square_[n] * power_P, down = oblong_[n] * power_E;
+      const S up = sums_.square[n] * power_P, down = sums_.oblong[n] * power_E;
       const S flip(n % 2 ? -1 : 1);
-      turn_pairs_[n] = Pair(flip * (up + down), n == 0 && direct ? gap : S(flip * (up - down)));
-      odd_pairs_[n] = Pair(flip * oblong_[n], oblong_[n]);
-      even_pairs_[n] = Pair(S(2) * square_[n], S(2) * flip * square_[n]);
+      sums_.turn_pairs[n] = Pair(flip * (up + down), n == 0 && direct ? gap : S(flip * (up - down)));
       power_E *= E;
       power_P *= P;
     }
@@ -242,7 +239,7 @@ class FreeRotation {
     const bool exact_gap = direct != about_largest_;
     S top(0), bottom(0), power_X = X, power_Y(1);
     for (std::size_t n = 0; n < terms; ++n) {
-      const S up = square_[n] * power_Y, down = oblong_[n] * power_X;
+      const S up = sums_.square[n] * power_Y, down = sums_.oblong[n] * power_X;
       const S odd(2 * static_cast<int>(n) + 1), flip(n % 2 ? -1 : 1);
       // minus the sine series where the turn is counted from L/I3: theta_4 at eta is theta_1 at eta'
       top += flip * (about_largest_ ? S((odd - 1) * up + (odd + 1) * down) : S(odd * (up + down)));
@@ -251,7 +248,6 @@ class FreeRotation {
       power_Y *= Y;
     }
     turn_ += rate_ * top / bottom;
-    set_quotients();
   }
 
   void set_up_outside(const Mean& mean, const S& p, const S& lambda, const S& sine, const S& cosine,
@@ -262,8 +258,8 @@ class FreeRotation {
     using std::sin;
     using std::sqrt;
     kind_ = Kind::outside;
+    sums_.set_up(p, false);
     rate_ = mean.limit() * lambda;
-    nome_ = p;
     span_ = p > S(0) ? S(-log(p)) : std::numeric_limits<S>::infinity();
     // Beyond the middle of the quarter period the complement is the shorter way: tan -> cot/k'.
     if (abs(sine) * sqrt(k1) <= cosine) {
@@ -278,19 +274,16 @@ class FreeRotation {
     const S angle = mean.circular(S(smaller / r), S(S(1) / r));
     const S rest = S(pi() / S(2) - angle);
     half_jump_ = about_largest_ ? S(w < cot ? -rest : -angle) : w < cot ? angle : rest;
-    set_powers(p);
     const S s = w < cot ? sin(angle) : cos(angle), c = w < cot ? cos(angle) : sin(angle);
     const S twice = S(2) * (c - s) * (c + s);
     S s_now = s, c_now = c, s_before = -s, c_before = c, top(0), bottom(0);
     for (std::size_t n = 0; n < terms; ++n) {
       const S odd(2 * static_cast<int>(n) + 1), flip(n % 2 ? -1 : 1);
-      top += flip * odd * oblong_[n] * c_now;
-      bottom += flip * oblong_[n] * s_now;
+      top += flip * odd * sums_.oblong[n] * c_now;
+      bottom += flip * sums_.oblong[n] * s_now;
       // y = pi/2 - half_jump where the turn is counted from L/I3: cos((2n+1) y) = (-1)^n sin((2n+1)
       // half_jump)
-      turn_pairs_[n] = about_largest_ ? Pair(s_now, c_now) : Pair(flip * c_now, flip * s_now);
-      odd_pairs_[n] = Pair(flip, S(1));
-      even_pairs_[n] = Pair(S(1), -flip);
+      sums_.turn_pairs[n] = about_largest_ ? Pair(s_now, c_now) : Pair(flip * c_now, flip * s_now);
       const S s_next = twice * s_now - s_before, c_next = twice * c_now - c_before;
       s_before = s_now;
       c_before = c_now;
@@ -298,31 +291,6 @@ class FreeRotation {
       c_now = c_next;
     }
     turn_ += rate_ * top / bottom;
-    set_quotients();
-  }
-
-  /// Factors of the theta quotients that are sn, cn and dn, from the theta constants.
-  void set_quotients() {
-    S t2(1), t3(1), t4(1);
-    for (std::size_t n = 1; n < terms; ++n) {
-      t2 += oblong_[n];
-      t3 += S(2) * square_[n];
-      t4 += (n % 2 ? S(-2) : S(2)) * square_[n];
-    }
-    sn_ = kind_ == Kind::inside ? S(t3 / t2) : S(t3 / t4);
-    cn_ = kind_ == Kind::inside ? S(t4 / t2) : S(t2 / t4);
-    dn_ = kind_ == Kind::inside ? S(t4 / t3) : S(t2 / t3);
-  }
-
-  /// p^(n^2) and p^(n (n + 1)).
-  void set_powers(const S& p) {
-    S power(1);
-    square_[0] = oblong_[0] = S(1);
-    for (std::size_t n = 1; n < terms; ++n) {
-      square_[n] = oblong_[n - 1] * power * p;
-      power *= p;
-      oblong_[n] = square_[n] * power;
-    }
   }
 
   // ---- phases and angles at a time; where low words are there, in twice the precision of S
@@ -343,17 +311,26 @@ class FreeRotation {
       if (extended_) {
         const DoubleDouble x =
             DoubleDouble{rate_, low_.rate} * DoubleDouble{t} + DoubleDouble{start_, low_.start};
-        if (!(nome_ > 0)) return x.high;
+        if (!(sums_.nome > 0)) return x.high;
         turns = std::round(x.high / span_);
         return less_turns(x, turns, {span_, low_.span});
       }
     const S x = start_ + rate_ * t;
-    if (!(nome_ > S(0))) return x;
+    if (!(sums_.nome > S(0))) return x;
     turns = round(S(x / span_));
     return x - turns * span_;
   }
 
-  /// The uniform part of the turn about L.
+  struct Direction {
+    S cosine, sine;
+  };
+  /// Half the uniform part of the turn about L.
+  Direction half_turn_angle(const S& t, const S& turns) const {
+    using std::cos;
+    using std::sin;
+    const S half = turn_angle(t, turns) / S(2);
+    return {S(cos(half)), S(sin(half))};
+  }
   S turn_angle(const S& t, const S& turns) const {
     if constexpr (std::is_same_v<S, double>)
       if (extended_) {
@@ -373,94 +350,31 @@ class FreeRotation {
 
   // ---- evaluation
 
-  /// A point of the polhode: Jacobi functions, and e^(i angle) times a positive number for the part of the
-  /// turn about L that is not uniform.
-  struct Polhode {
-    S sn, cn, dn;  // of the true phase
-    S re, im;
-  };
-
-  /// z = pi u/(2 K)
-  Polhode inside(const S& z) const {
-    using std::cos;
-    using std::sin;
-    const S s = sin(z), c = cos(z), twice = S(2) * (c - s) * (c + s);  // 2 cos 2z
-    Pair now(s, c), before(-s, c);                                     // sin and cos of (2n + 1) z
-    Pair even_now(twice / S(2), twice / S(2)), even_before(S(1), S(1));
-    Pair odd_sums = now, even_sums(S(1), S(1)), turn = turn_pairs_[0] * now;
-    for (std::size_t n = 1; n < terms; ++n) {
-      const Pair next = twice * now - before;
-      before = now;
-      now = next;
-      odd_sums += odd_pairs_[n] * now;
-      turn += turn_pairs_[n] * now;
-      even_sums += even_pairs_[n] * even_now;
-      const Pair even_next = twice * even_now - even_before;
-      even_before = even_now;
-      even_now = even_next;
-    }
-    const S inverse = S(1) / even_sums[1];
-    return {sn_ * odd_sums[0] * inverse, cn_ * odd_sums[1] * inverse, dn_ * even_sums[0] * inverse, turn[0],
-            turn[1]};
-  }
-
-  /// x = pi u/(2 K') less so many whole spans
-  Polhode outside(const S& x, const S& turns) const {
-    using std::abs;
-    using std::exp;
-    using std::round;
-    // Everything times 2 e^(-|x|): sinh and cosh of (2n + 1)|x|; cosh of 2n|x| times another e^|x|.
-    const S e = exp(-abs(x)), E = e * e, P = nome_ > S(0) ? S(nome_ / E) : S(0);  // e^(-2|x|), p' e^(2|x|)
-    Pair odd_sums(S(0), S(0)), even_sums(S(1), S(1)), turn(S(0), S(0));
-    S power_E = E, power_P(1);
-    for (std::size_t n = 0; n < terms; ++n) {
-      const S up = square_[n] * power_P, down = oblong_[n] * power_E;
-      const Pair hyperbolic(up - down, up + down);
-      odd_sums += odd_pairs_[n] * hyperbolic;
-      turn += turn_pairs_[n] * hyperbolic;
-      power_P *= P;
-      if (n + 1 < terms) even_sums += (oblong_[n] * power_P + square_[n + 1] * power_E) * even_pairs_[n];
-      power_E *= E;
-    }
-    const S inverse = S(1) / odd_sums[1], decay = S(2) * e * inverse;
-    const bool odd = turns / S(2) != round(S(turns / S(2)));
-    const S flip(odd ? -1 : 1), side(x < S(0) ? -1 : 1);
-    Polhode p{flip * side * sn_ * odd_sums[0] * inverse, flip * cn_ * even_sums[1] * decay,
-              dn_ * even_sums[0] * decay, side * turn[0], turn[1]};
-    if (odd) {  // theta_1 and n2 + i n1 change sign together from one span to the next
-      p.re = -p.re;
-      p.im = -p.im;
-    }
-    return p;
-  }
-
   /// The attitude in a frame whose third axis is L, up to a constant turn about it.
-  QuaternionT<S> about_momentum(const Polhode& p, const S& angle) const {
-    using std::cos;
-    using std::sin;
+  QuaternionT<S> about_momentum(const Polhode& p, const Direction& half_angle) const {
     using std::sqrt;
     const S side = about_largest_ ? S(1) : S(-1);
     // n = L_B/|L|, and n2 + i n1 over I1 a1/|L|, so that it has a direction however small it is.
     const S n1 = n_[0] * p.cn, n2 = n_[1] * p.sn, n3 = n_[2] * p.dn;
     const S x = tilt_ * p.sn, y = p.cn;
     // side (re - i side im)(x + i y) has a positive real part and the angle of the rest of the turn: its half
-    // needs no arctangent, and the attitude stays on its branch, q(t) continuous with q(0).
+    // needs no arctangent, and the attitude stays on its branch, q(t) continuous with q(0). Its modulus is
+    // the product of two that are proportional.
     const S im = side * p.im;
-    const S u = side * (p.re * x + im * y), v = side * (p.re * y - im * x), r = sqrt(u * u + v * v),
-            c = r + u;
+    const S u = side * (p.re * x + im * y), v = side * (p.re * y - im * x);
+    const S r = modulus_ * p.weight * (x * x + y * y), c = r + u;
     const S scale = S(1) / (S(2) * sqrt(r * c * (S(1) + n3)));
-    const S ca = cos(S(angle / S(2))) * scale, sa = sin(S(angle / S(2))) * scale;
-    const S half_c = c * ca - v * sa, half_s = c * sa + v * ca;
+    const S half_c = (c * half_angle.cosine - v * half_angle.sine) * scale;
+    const S half_s = (c * half_angle.sine + v * half_angle.cosine) * scale;
     // (half_c, 0, 0, half_s) (1 + n3, n2, -n1, 0)
     return QuaternionT<S>(half_c * (S(1) + n3), half_c * n2 + half_s * n1, half_s * n2 - half_c * n1,
                           half_s * (S(1) + n3));
   }
 
-  State place(const Polhode& p, const S& angle) const {
-    const QuaternionT<S> q = from_momentum_ * about_momentum(p, angle);
+  State place(const Polhode& p, const Direction& half_angle) const {
+    const QuaternionT<S> q = from_momentum_ * about_momentum(p, half_angle);
     const Vec3T<S> v(sign_[0] * q.x(), sign_[1] * q.y(), sign_[2] * q.z());
-    const Vec3T<S> w(sign_[0] * amplitude_[0] * p.cn, sign_[1] * amplitude_[1] * p.sn,
-                     sign_[2] * amplitude_[2] * p.dn);
+    const Vec3T<S> w(amplitude_[0] * p.cn, amplitude_[1] * p.sn, amplitude_[2] * p.dn);
     State state;
     state.q.w() = q.w();
     for (std::size_t i = 0; i < 3; ++i) {
@@ -481,18 +395,17 @@ class FreeRotation {
   std::array<S, 3> sign_{S(1), S(1), S(1)};
   bool about_largest_ = true;
   S m1_{1};
-  Vec3T<S> amplitude_;           // of the rates; the second has the sign of I3 - I1
+  Vec3T<S> amplitude_;           // of the rates, with the signs of the body's own axes
   Vec3T<S> n_;                   // and of L_B/|L|
+  S modulus_{};                  // |re + i im| over the weight and |n2 + i n1|
   S tilt_{};                     // n_[1]/n_[0]
   S start_{}, rate_{}, turn_{};  // phase at t = 0 and its rate, uniform rate of the turn about L
   struct {
     S start{}, rate{}, turn{}, span{}, half_jump{};
-  } low_;                            // words below those of the same names
-  S nome_{}, span_{}, half_jump_{};  // outside: p', the phase between jumps, half the jump
-  S sn_{}, cn_{}, dn_{};             // factors of the theta quotients
-  Series square_{}, oblong_{};       // p^(n^2), p^(n (n + 1))
-  std::array<Pair, terms> odd_pairs_, even_pairs_, turn_pairs_;  // factors in the sums of evaluation
-  QuaternionT<S> from_momentum_{S(1), S(0), S(0), S(0)};         // to space, by way of q0; in axes (1, 2, 3)
+  } low_;                   // words below those of the same names
+  S span_{}, half_jump_{};  // outside: the phase between jumps, half the jump
+  Sums sums_;
+  QuaternionT<S> from_momentum_{S(1), S(0), S(0), S(0)};  // to space, by way of q0; in axes (1, 2, 3)
 };
 
 }  // namespace polhode
