@@ -105,7 +105,9 @@ int show_verb(const Options& options) {
                              : fmt::format("rates {:.1e}", truth->truth.rate_uncertainty));
     line("  cost", fmt::format("{:.3g} s for 17 times", truth->truth.cost_s));
     line("conditioning",
-         fmt::format("{:.3g} times a relative change of the initial rates", truth->conditioning));
+         std::isfinite(truth->conditioning)
+             ? fmt::format("{:.3g} times a relative change of the initial rates", truth->conditioning)
+             : "not known: too stiff to follow disturbances");
     line("rounding floor", s.rotation->attitude ? fmt::format("{:.1e} rad, rates {:.1e}",
                                                               truth->attitude_floor, truth->rate_floor)
                                                 : fmt::format("rates {:.1e}", truth->rate_floor));

@@ -7,6 +7,7 @@
 #include <mutex>
 
 #include "experiments/table.hpp"
+#include "solvers/sensitivity.hpp"
 
 namespace polhode {
 namespace {
@@ -21,34 +22,40 @@ std::vector<double> with_zero(std::span<const double> times) {
   return all;
 }
 
-/// Growth of a relative perturbation of 1e-12 of the initial rates, the largest over three directions and all
-/// times, as attitude [rad] and as relative rate. Linear to 1e-12, computed from two 50-digit solutions: no
-/// cancellation.
+/// Largest growth of a disturbance: of the initial rates over all times, and of any kind over any later
+/// interval, which is what the rounding of a run suffers.
 void conditioning(const Scene& scene, std::span<const double> times, SceneTruth& t) {
   if (!scene.rotation) return;
-  constexpr double size = 1e-12;
-  const double w = scene.rotation->w0.norm();
-  double attitude_growth = 1, rate_growth = 1;
-  for (int axis = 0; axis < 3; ++axis) {
-    Scene other = scene;
-    other.rotation->w0[axis] += size * (w > 0 ? w : 1);
-    const double step = (other.rotation->w0[axis] - scene.rotation->w0[axis]) / (w > 0 ? w : 1);
-    const auto moved = perturbed_solution(other, times);
-    for (std::size_t i = 0; i < moved.size(); ++i) {
-      const auto &a = moved[i], &b = t.truth.samples[i];
-      if (scene.rotation->attitude)
-        attitude_growth =
-            std::max(attitude_growth, attitude_error<Wide>(b.q, a.q).convert_to<double>() / std::abs(step));
-      const Wide n = b.w_B.norm();
-      if (n > 0)
-        rate_growth =
-            std::max(rate_growth, Wide((a.w_B - b.w_B).norm() / n).convert_to<double>() / std::abs(step));
-    }
+  // From at most 17 times on.
+  std::vector<double> marks;
+  const std::size_t every = (times.size() + 15) / 16;
+  for (std::size_t i = 0; i < times.size(); i += every) marks.push_back(times[i]);
+  if (marks.back() < times.back()) marks.push_back(times.back());
+  const Sensitivity s = sensitivity(scene, marks);
+  if (!s.known) {
+    t.conditioning = t.attitude_growth = t.rate_growth = none;
+    t.attitude_floor = 4e-16;  // the least that it can be
+    t.rate_floor = double_epsilon;
+    return;
   }
-  t.conditioning = std::max(attitude_growth, rate_growth);
-  // Reading the rates as doubles alone costs half an ulp; a run adds rounding of its own in every step.
-  t.attitude_floor = std::max(double_epsilon * attitude_growth, 4e-16);
-  t.rate_floor = std::max(double_epsilon * rate_growth, double_epsilon);
+  const int a = s.attitude;
+  const auto worst = [](const auto& block) {
+    return block.size() == 0 ? 0.0 : block.colwise().norm().maxCoeff();
+  };
+  // Of any disturbance on the way. The resolution of an attitude, and an ulp of the rates, are least.
+  double attitude_later = 1, rate_later = 1;
+  const double w0 = scene.rotation->w0.norm(), unit = w0 > 0 ? w0 / s.rates.front() : 1;
+  for (const auto& from : s.maps)
+    for (const Eigen::MatrixXd& map : from) {
+      attitude_later = std::max(attitude_later, worst(map.topRows(a)));
+      rate_later = std::max(rate_later, worst(map.bottomRows(3)));
+      if (&from != &s.maps.front()) continue;
+      t.attitude_growth = std::max(t.attitude_growth, unit * worst(map.topRightCorner(a, 3)));
+      t.rate_growth = std::max(t.rate_growth, unit * worst(map.bottomRightCorner(3, 3)));
+    }
+  t.conditioning = std::max(t.attitude_growth, t.rate_growth);
+  t.attitude_floor = std::max(double_epsilon * std::max(t.attitude_growth, attitude_later), 4e-16);
+  t.rate_floor = double_epsilon * std::max(t.rate_growth, rate_later);
 }
 
 }  // namespace

@@ -14,8 +14,13 @@ namespace polhode {
 /// The truth with its certainty, and what double precision can reach on this scene.
 struct SceneTruth {
   Truth truth;
-  double conditioning = 1;  // largest growth of a relative perturbation of the initial rates, over the times
-  double attitude_floor = 0;  // rad: conditioning times the rounding of a double, but at least the resolution
+  // Largest growth of a relative disturbance of the initial rates over the times, as an angle [rad], as a
+  // relative rate, and the larger of the two.
+  double attitude_growth = 1, rate_growth = 1, conditioning = 1;
+  // What rounding alone does: the epsilon of a double times the largest growth of any disturbance from any
+  // time on, but at least the resolution. Where a scene is too stiff to follow disturbances, growth is not a
+  // number and floors are the resolution.
+  double attitude_floor = 0;  // rad
   double rate_floor = 0;      // relative
 };
 

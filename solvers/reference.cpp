@@ -1,62 +1,16 @@
 // The reference: the closed form of the scene in 50 digits where it has one, else a Taylor series of
 // order 48.
-//   y(t + h) = sum y_k h^k, coefficients by recurrence from the recorded equations (models/jet.hpp)
-// The step is the largest for which the last two terms stay below a tolerance, for attitude, rates and
-// translation apart; asked times are read off the series inside a step, so that they cost no step. Run twice,
-// at two orders and tolerances; the difference is the stated uncertainty. Explicit: a decay of rate r costs
-// about r/2.4 steps a second. Scenes that are too stiff for it are refused. Source: Jorba & Zou, Exp. Math.
-// 14 (2005).
+// The latter (solvers/taylor_run.hpp) is run twice, at two orders and tolerances; the difference is the
+// stated uncertainty, as is that of a closed form to the same in 40 digits.
 #include "solvers/reference.hpp"
 
 #include "models/closed_form.hpp"
 #include "models/errors.hpp"
-#include "models/model.hpp"
-#include "models/taylor_series.hpp"
+#include "solvers/taylor_run.hpp"
 #include "solvers/thread_time.hpp"
 
 namespace polhode {
 namespace {
-
-/// log2 |x| of a number whose exponent a double may not hold; -inf for 0.
-double log2_of(const Wide& x) {
-  if (x == 0) return -std::numeric_limits<double>::infinity();
-  int e = 0;
-  const Wide m = frexp(Wide(abs(x)), &e);
-  return e + std::log2(m.convert_to<double>());
-}
-
-/// Largest h for which terms p - 1 and p stay below 2^log2_tolerance of the state, over groups of
-/// coordinates.
-template <class M>
-double step_size(const TaylorSeries<M>& series, double log2_tolerance) {
-  struct Group {
-    int begin, end;
-  };
-  std::vector<Group> groups;
-  if constexpr (M::has_attitude) groups.push_back({0, 4});
-  if constexpr (M::has_rotation) groups.push_back({M::Rotating::w_at, M::Rotating::size});
-  if constexpr (M::has_translation) {
-    groups.push_back({M::rotation_size, M::rotation_size + 3});
-    groups.push_back({M::rotation_size + 3, M::rotation_size + 6});
-  }
-  double log2_h = 200;
-  for (const Group& g : groups) {
-    const auto norm = [&](int k) {
-      double largest = -std::numeric_limits<double>::infinity();
-      for (int i = g.begin; i < g.end; ++i) largest = std::max(largest, log2_of(series.coefficients(i)[k]));
-      return largest;
-    };
-    double scale = norm(0);
-    if (std::isinf(scale)) scale = norm(1);  // from rest: the first slope, per second
-    const int p = series.order();
-    for (const int k : {p - 1, p}) {
-      const double term = norm(k);
-      if (std::isinf(term) || std::isinf(scale)) continue;
-      log2_h = std::min(log2_h, (log2_tolerance + scale - term) / k);
-    }
-  }
-  return std::exp2(log2_h);
-}
 
 template <class M>
 WideSample wide_sample(const M& m, const Wide& t, const typename M::State& y) {
@@ -85,29 +39,13 @@ std::vector<WideSample> run(const M& m, std::span<const double> times, int order
   samples.reserve(times.size());
   Wide t(0);
   typename M::State y = m.initial;
-  series.settle_signs(t, y);
-  std::size_t next = 0;
-  while (next < times.size() && times[next] <= 0) {
-    samples.push_back(wide_sample(m, t, y));
-    ++next;
-  }
-  const Wide end = times.empty() ? Wide(0) : Wide(times.back());
-  for (steps = 0; next < times.size(); ++steps) {
-    if (steps == step_limit)
-      throw Error(70, "the reference solution took " + std::to_string(step_limit) +
-                          " steps to reach t = " + std::to_string(t.convert_to<double>()) +
-                          " s: the scene is too stiff for an explicit series");
-    series.expand(t, y);
-    Wide h = step_size(series, log2_tolerance);
-    if (h > end - t) h = end - t;
-    int crossed = -1;
-    h = series.first_sign_change(h, crossed);
-    for (; next < times.size() && Wide(times[next]) <= t + h; ++next)
-      samples.push_back(wide_sample(m, Wide(times[next]), series.at(Wide(times[next]) - t)));
-    y = series.at(h);
-    t += h;
-    if (crossed >= 0) series.flip_sign(crossed);
-  }
+  steps = taylor_run(series, t, y, times, log2_tolerance, step_limit, [&](const Wide& at, const auto& state) {
+    samples.push_back(wide_sample(m, at, state));
+  });
+  if (steps < 0)
+    throw Error(70, "the reference solution took " + std::to_string(step_limit) +
+                        " steps to reach t = " + std::to_string(t.convert_to<double>()) +
+                        " s: the scene is too stiff for an explicit series");
   return samples;
 }
 
@@ -186,13 +124,6 @@ Truth series_solution(const Scene& scene, std::span<const double> times) {
   });
   truth.cost_s = thread_seconds() - began;
   return truth;
-}
-
-std::vector<WideSample> perturbed_solution(const Scene& scene, std::span<const double> times) {
-  return with_general_model<Wide>(scene, [&](const auto& m) {
-    std::int64_t steps = 0;
-    return run(m, times, 28, -80, steps);
-  });
 }
 
 namespace {

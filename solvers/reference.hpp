@@ -1,4 +1,4 @@
-// The truth of a scene: the same equations in 50 digits, by Taylor series of high order, run twice.
+// The truth of a scene in 50 digits: its closed form, or the same equations by Taylor series, run twice.
 #pragma once
 #include <memory>
 #include <span>
@@ -42,9 +42,5 @@ Truth reference_solution(const Scene& scene, std::span<const double> times);
 /// throws   Error with exit code 70 if a run does not end (a rate so stiff that an explicit series cannot
 ///          follow)
 Truth series_solution(const Scene& scene, std::span<const double> times);
-
-/// One run in 50 digits at modest accuracy (1e-24 a step): for a neighbour of a scene, to measure its
-/// conditioning.
-std::vector<WideSample> perturbed_solution(const Scene& scene, std::span<const double> times);
 
 }  // namespace polhode

@@ -176,8 +176,8 @@ TEST(Registry, EverySolverServesEveryBuiltInSceneOrSaysWhyNot) {
       const Trajectory run = run_once(*m, scene, setting, grid);
       if (run.outcome == Outcome::unsupported) {
         EXPECT_FALSE(run.reason.empty()) << m->id << " on " << id;
-        // What may be refused: a particle or bare rates by solvers that are about an attitude, and a motion that
-        // nobody has written down by the closed forms.
+        // What may be refused: a particle or bare rates by solvers that are about an attitude, and a motion
+        // that nobody has written down by the closed forms.
         EXPECT_TRUE(m->family == "closed form" ? closed_form_kind(scene).empty()
                                                : !scene.rotation || !scene.rotation->attitude)
             << m->id << " on " << id << ": " << run.reason;
