@@ -68,10 +68,10 @@ class FreeRotation {
   State at(const S& t) const {
     switch (kind_) {
       case Kind::steady:
-        return {q0_ * exp_rotation<S>(Vec3T<S>(w0_ * t)), w0_};
+        return {q0_ * turn(long_spin_, w0_, t), w0_};
       case Kind::symmetric: {
-        const QuaternionT<S> spin = exp_rotation<S>(Vec3T<S>(spin_ * t));
-        return {q0_ * exp_rotation<S>(Vec3T<S>(precession_ * t)) * spin, to_body<S>(spin, w0_)};
+        const QuaternionT<S> spin = turn(long_spin_, spin_, t);
+        return {q0_ * turn(long_precession_, precession_, t) * spin, to_body<S>(spin, w0_)};
       }
       case Kind::inside: {
         // The turn first: nothing waits for it, and it waits for nothing.
@@ -126,10 +126,15 @@ class FreeRotation {
       low = static_cast<S>(from - static_cast<long double>(to));
     };
     m1_ = static_cast<S>(x.m1_);
-    if (kind_ == Kind::steady) return;
+    if (kind_ == Kind::steady) {
+      long_spin_ = x.w0_;
+      return;
+    }
     if (kind_ == Kind::symmetric) {
       precession_ = x.precession_.template cast<S>();
       spin_ = x.spin_.template cast<S>();
+      long_precession_ = x.precession_;
+      long_spin_ = x.spin_;
       return;
     }
     axis_ = x.axis_;
@@ -293,6 +298,15 @@ class FreeRotation {
     turn_ += rate_ * top / bottom;
   }
 
+  /// Turn of constant rate; in long double where low words are kept.
+  QuaternionT<S> turn(const Vec3T<long double>& long_rate, const Vec3T<S>& rate, const S& t) const {
+    if constexpr (std::is_same_v<S, double>)
+      if (extended_)
+        return exp_rotation<long double>(Vec3T<long double>(long_rate * static_cast<long double>(t)))
+            .template cast<S>();
+    return exp_rotation<S>(Vec3T<S>(rate * t));
+  }
+
   // ---- phases and angles at a time; where low words are there, in twice the precision of S
   S inside_phase(const S& t) const {
     if constexpr (std::is_same_v<S, double>)
@@ -389,6 +403,7 @@ class FreeRotation {
   QuaternionT<S> q0_;
   Vec3T<S> w0_;
   Vec3T<S> precession_, spin_;  // symmetric: rates of the two turns, body components
+  Vec3T<long double> long_precession_, long_spin_;
 
   // triaxial, in axes (1, 2, 3): axis_[i] is the body's, taken with sign_[i]
   std::array<int, 3> axis_{0, 1, 2};

@@ -29,8 +29,9 @@ class Pendulum {
     energy_gap_ = cosine * cosine - half * half;  // 1 - k^2, from terms that are squares of data
     k_ = sqrt(m);
     if (librates()) {
-      if (!(k_ > S(0))) return;  // at rest
-      start_ = amplitude_phase(S(sine / k_), S(half / k_), m, energy_gap_);
+      direction_ = S(cosine < S(0) ? -1 : 1);  // phi and phi + 2 pi have opposite signs of sin and cos of half
+      if (!(k_ > S(0))) return;                // at rest
+      start_ = amplitude_phase(S(direction_ * sine / k_), S(half / k_), m, energy_gap_);
     } else if (rotates()) {
       direction_ = S(rate < S(0) ? -1 : 1);
       start_ = amplitude_phase(S(direction_ * sine), cosine, S(S(1) / m), S(-energy_gap_ / m));
@@ -46,9 +47,9 @@ class Pendulum {
     using boost::math::jacobi_elliptic;
     S cn, dn;
     if (librates()) {
-      if (!(k_ > S(0))) return {S(0), S(1), S(0)};
+      if (!(k_ > S(0))) return {S(0), direction_, S(0)};
       const S sn = jacobi_elliptic(k_, S(omega_ * t + start_), &cn, &dn);
-      return {k_ * sn, dn, S(2) * k_ * omega_ * cn};
+      return {direction_ * k_ * sn, direction_ * dn, S(2) * k_ * omega_ * cn};
     }
     const S sn = jacobi_elliptic(S(S(1) / k_), S(k_ * omega_ * t + start_), &cn, &dn);
     return {direction_ * sn, cn, direction_ * S(2) * k_ * omega_ * dn};

@@ -28,8 +28,9 @@ void Record::start(const Sample& sample) {
 
 bool Record::keep(const Sample& s) {
   if (!is_finite(s)) return end(Outcome::not_finite, "a state that is not finite", s.t);
-  // No scene here gains 1e12 times its energy; an unstable step size does within a few dozen steps.
-  if (s.rotational_energy > 1e12 * start_energy_ && s.rotational_energy > 1e-300)
+  // No scene here gains 1e12 times its energy; an unstable step size does within a few dozen steps. From rest
+  // there is nothing to compare with.
+  if (start_energy_ > 0 && s.rotational_energy > 1e12 * start_energy_)
     return end(Outcome::diverged, "kinetic energy beyond 1e12 times its start", s.t);
   out_.samples.push_back(s);
   return true;

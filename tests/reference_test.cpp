@@ -145,7 +145,7 @@ TEST(Reference, StatesItsErrorOnASphere) {
   const Json data = read_json("PD3_sphere");
   const std::vector<double> times = numbers(data.at("times"));
   const Scene scene = scene_of(data.at("inputs"), "sphere", times.back());
-  const Truth truth = reference_solution(scene, times);
+  const Truth truth = series_solution(scene, times);
   const QuaternionT<Wide> q0 = normalised<Wide>(scene.rotation->q0.cast<Wide>());
   const Vec3T<Wide> w0 = scene.rotation->w0.cast<Wide>();
   for (const WideSample& s : truth.samples) {
@@ -161,7 +161,7 @@ TEST(Reference, StatesItsErrorOnASymmetricBody) {
   const Json data = read_json("PD2_symmetric");
   const std::vector<double> times = numbers(data.at("times"));
   const Scene scene = scene_of(data.at("inputs"), "symmetric", times.back());
-  const Truth truth = reference_solution(scene, times);
+  const Truth truth = series_solution(scene, times);
   const QuaternionT<Wide> q0 = normalised<Wide>(scene.rotation->q0.cast<Wide>());
   const Vec3T<Wide> w0 = scene.rotation->w0.cast<Wide>(), I = scene.rotation->moments.cast<Wide>();
   const Wide rate = (I.z() - I.x()) / I.x() * w0.z();
