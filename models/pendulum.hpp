@@ -29,8 +29,9 @@ class Pendulum {
     energy_gap_ = cosine * cosine - half * half;  // 1 - k^2, from terms that are squares of data
     k_ = sqrt(m);
     if (librates()) {
-      direction_ = S(cosine < S(0) ? -1 : 1);  // phi and phi + 2 pi have opposite signs of sin and cos of half
-      if (!(k_ > S(0))) return;                // at rest
+      direction_ =
+          S(cosine < S(0) ? -1 : 1);  // phi and phi + 2 pi have opposite signs of sin and cos of half
+      if (!(k_ > S(0))) return;       // at rest
       start_ = amplitude_phase(S(direction_ * sine / k_), S(half / k_), m, energy_gap_);
     } else if (rotates()) {
       direction_ = S(rate < S(0) ? -1 : 1);
