@@ -8,27 +8,10 @@
 #include "models/errors.hpp"
 #include "solvers/taylor_run.hpp"
 #include "solvers/thread_time.hpp"
+#include "solvers/wide_sample.hpp"
 
 namespace polhode {
 namespace {
-
-template <class M>
-WideSample wide_sample(const M& m, const Wide& t, const typename M::State& y) {
-  WideSample s;
-  s.t = t;
-  if constexpr (M::has_attitude) s.q = normalised<Wide>(m.rotation.attitude_of(y.data()));
-  if constexpr (M::has_rotation) {
-    s.w_B = m.rotation.w_of(y.data());
-    s.L = m.angular_momentum(y.data());
-  }
-  if constexpr (M::has_translation) {
-    s.p = m.position(y.data());
-    s.v = m.velocity(y.data());
-  }
-  s.rotational_energy = m.rotational_energy(y.data());
-  s.total_energy = m.total_energy(t, y.data());
-  return s;
-}
 
 template <class M>
 std::vector<WideSample> run(const M& m, std::span<const double> times, int order, double log2_tolerance,
@@ -52,17 +35,6 @@ std::vector<WideSample> run(const M& m, std::span<const double> times, int order
 }  // namespace
 
 namespace {
-
-/// The larger of the stated uncertainty and the difference of two states.
-void widen_uncertainty(Truth& truth, const QuaternionT<Wide>& q, const Vec3T<Wide>& w_B,
-                       const WideSample& s) {
-  truth.attitude_uncertainty =
-      std::max(truth.attitude_uncertainty, attitude_error<Wide>(s.q, q).convert_to<double>());
-  const Wide w = s.w_B.norm();
-  if (w > 0)
-    truth.rate_uncertainty =
-        std::max(truth.rate_uncertainty, Wide((s.w_B - w_B).norm() / w).convert_to<double>());
-}
 
 /// The closed form of the scene; in 40 digits as well at up to 17 of the times.
 Truth written_solution(const Scene& scene, std::span<const double> times, const ClosedForm<Wide>& form) {
@@ -93,8 +65,8 @@ Truth written_solution(const Scene& scene, std::span<const double> times, const 
   for (std::size_t i = (times.size() - 1) % every; i < times.size(); i += every) {
     const ExactState<Narrower> x = narrower->at(Narrower(times[i]));
     const bool attitude = scene.rotation && scene.rotation->attitude;
-    widen_uncertainty(truth, attitude ? QuaternionT<Wide>(x.q.cast<Wide>()) : truth.samples[i].q,
-                      x.w_B.cast<Wide>(), truth.samples[i]);
+    widen_uncertainty(truth, i, attitude ? QuaternionT<Wide>(x.q.cast<Wide>()) : truth.samples[i].q,
+                      x.w_B.cast<Wide>());
   }
   return truth;
 }
@@ -108,6 +80,7 @@ Truth reference_solution(const Scene& scene, std::span<const double> times) {
     truth.cost_s = thread_seconds() - began;
     return truth;
   }
+  if (is_stiff(scene, times)) return implicit_solution(scene, times);
   return series_solution(scene, times);
 }
 
@@ -120,7 +93,7 @@ Truth series_solution(const Scene& scene, std::span<const double> times) {
     std::int64_t steps = 0;
     const auto coarse = run(m, times, 40, -120, steps);  // 2^-120 = 1e-36
     for (std::size_t i = 0; i < truth.samples.size(); ++i)
-      widen_uncertainty(truth, coarse[i].q, coarse[i].w_B, truth.samples[i]);
+      widen_uncertainty(truth, i, coarse[i].q, coarse[i].w_B);
   });
   truth.cost_s = thread_seconds() - began;
   return truth;

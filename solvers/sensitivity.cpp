@@ -1,5 +1,10 @@
 #include "solvers/sensitivity.hpp"
 
+#include <memory>
+#include <optional>
+
+#include "solvers/radau_run.hpp"
+#include "solvers/reference.hpp"
 #include "solvers/taylor_run.hpp"
 
 namespace polhode {
@@ -7,10 +12,12 @@ namespace {
 
 constexpr int order = 20;
 constexpr double log2_tolerance = -62;
+constexpr int implicit_stages = 11;  // where it is stiff
+constexpr double implicit_tolerance = 1e-17;
 constexpr std::int64_t step_limit = 20'000;  // half a second
 
 template <class M>
-Sensitivity follow(const M& m, std::span<const double> times) {
+Sensitivity follow(const M& m, const Scene& scene, std::span<const double> times) {
   using S = typename M::Scalar;
   using State = typename M::State;
   constexpr S distance = S(1e-12);
@@ -18,13 +25,21 @@ Sensitivity follow(const M& m, std::span<const double> times) {
   result.attitude = M::has_attitude ? 3 : 0;
   const int size = result.attitude + 3;
   TaylorSeries<M> series(m, order);
+  std::unique_ptr<ErasedModel> doubles;
+  std::optional<RadauRun<M>> implicit;
+  if (is_stiff(scene, times)) {
+    doubles = erased_model(scene);
+    implicit.emplace(m, *doubles, implicit_stages);
+  }
   // From times[from] through all later times; shorter if it took too long.
   const auto flow = [&](State y, std::size_t from) {
     std::vector<State> reached;
     S t(times[from]);
-    if (taylor_run(series, t, y, times.subspan(from + 1), log2_tolerance, step_limit,
-                   [&](const S&, const State& there) { reached.push_back(there); }) < 0)
-      result.known = false;
+    const auto later = times.subspan(from + 1);
+    const auto keep = [&](const S&, const State& there) { reached.push_back(there); };
+    const std::int64_t steps = implicit ? implicit->run(t, y, later, implicit_tolerance, step_limit, keep)
+                                        : taylor_run(series, t, y, later, log2_tolerance, step_limit, keep);
+    if (steps < 0) result.known = false;
     return reached;
   };
   const auto rate = [](const State& y) { return M::Rotating::w_of(y.data()).norm(); };
@@ -79,7 +94,7 @@ Sensitivity follow(const M& m, std::span<const double> times) {
 Sensitivity sensitivity(const Scene& scene, std::span<const double> times) {
   return with_general_model<long double>(scene, [&](const auto& m) -> Sensitivity {
     if constexpr (std::remove_cvref_t<decltype(m)>::has_rotation)
-      return follow(m, times);
+      return follow(m, scene, times);
     else
       return {};
   });

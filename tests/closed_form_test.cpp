@@ -128,6 +128,52 @@ TEST(ClosedForm, AgreesWithTheSeriesUnderTorque) {
   for (const Case& c : scenes_with_torque()) expect_equal_truths(c);
 }
 
+TEST(StiffTruth, ImplicitAndExplicitAgreeWhereBothCanGo) {
+  const Vec3 moments(1, 1.5, 2);
+  for (const double c : {1.0, 300.0}) {
+    for (const auto& load : std::vector<AnyTorque<double>>{
+             AngularDrag<double>{Vec3(c, 0.3, 0.1).asDiagonal()}, AttitudeSpring<double>{3 * c, c}}) {
+      Scene s = turning(moments, {0.9, 0.1, -0.3, 0.2}, {1, 2, -3}, {load});
+      s.duration = 2;
+      const auto times = uniform_times(s.duration, 7);
+      const Truth implicit = implicit_solution(s, times), series = series_solution(s, times);
+      const double certain = 10 * (implicit.attitude_uncertainty + implicit.rate_uncertainty) + 1e-36;
+      EXPECT_LT(certain, 1e-27)
+          << c;  // 28 digits are asked of the truth; the uncertainty is that of the coarse run
+      for (std::size_t i = 0; i < times.size(); ++i) {
+        const WideSample &a = implicit.samples[i], &b = series.samples[i];
+        EXPECT_LT(attitude_error<Wide>(a.q, b.q).convert_to<double>(), 1e-32) << c;
+        EXPECT_LT(length(a.w_B - b.w_B), 1e-32 * length(b.w_B) + 1e-60) << c;
+      }
+    }
+  }
+}
+
+TEST(StiffTruth, FollowsRatesUpToTheHundredMillion) {
+  // Drag and torque about one axis have a closed form: w -> torque/drag within 1e-8 s, and stays.
+  for (const double c : {1e4, 1e6, 1e8}) {
+    Scene s = turning({1, 1.5, 2}, {0.5, 0.1, -0.7, 0.2}, {2, 0, 0},
+                      {AngularDrag<double>{Vec3(c, 0.3, 0.1).asDiagonal()},
+                       ConstantTorque<double, Frame::body>{Vec3(3 * c, 0, 0)}});
+    const std::vector<double> times{0.1 / c, 1 / c, 10 / c, 1, 5};
+    EXPECT_TRUE(is_stiff(s, times));
+    const Truth implicit = implicit_solution(s, times), closed = reference_solution(s, times);
+    EXPECT_LT(implicit.cost_s, 30);
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const WideSample &a = implicit.samples[i], &b = closed.samples[i];
+      EXPECT_LT(attitude_error<Wide>(a.q, b.q).convert_to<double>(), 1e-29) << c << ' ' << times[i];
+      EXPECT_LT(length(a.w_B - b.w_B), 1e-29) << c << ' ' << times[i];
+    }
+    // With the other rates there is none, and the truth is the implicit one.
+    s.rotation->w0 = Vec3(2, 1, -1);
+    s.id += "-tumbling";
+    const auto truth = truth_of(s, times);
+    EXPECT_TRUE(truth->truth.kind.starts_with("Radau IIA")) << truth->truth.kind;
+    EXPECT_LT(truth->truth.attitude_uncertainty, 1e-27);
+    EXPECT_TRUE(truth->conditioning > 0.5 && truth->conditioning < 100) << truth->conditioning;
+  }
+}
+
 TEST(ClosedForm, InDoublesIsASolverOfItsScenes) {
   // Rounding of set-up and result, some dozen operations each, grown by the conditioning (of rates relative
   // to themselves: from rest there is none, and the torque takes their place).

@@ -1,0 +1,211 @@
+// Integration by Radau IIA of many stages in a wide type, for scenes with fast decays: the step follows the
+// solution, not the decay.
+//
+// The stage equations are solved by Newton's method whose matrix, I - h A x J with the Jacobian at every
+// stage, is factored in double precision: each iteration gains a dozen digits, fewer as the matrix grows
+// stale. The step is chosen by how the collocation polynomial's Legendre coefficients fall off: its last one
+// times the ratio of the last two bounds what the polynomial misses, everywhere in the step, stiff components
+// included. Asked times are read off the polynomial. Source: Hairer & Wanner, Solving ODEs II (1996), IV.8.
+#pragma once
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include <Eigen/LU>
+
+#include "solvers/erased_model.hpp"
+#include "solvers/radau_table.hpp"
+
+namespace polhode {
+
+template <class M>
+class RadauRun {
+ public:
+  using S = typename M::Scalar;
+  using State = typename M::State;
+  static constexpr int n = M::size;
+
+  /// doubles   the same equations in double precision, for the Jacobian
+  RadauRun(const M& m, const ErasedModel& doubles, int stages)
+      : m_(m), doubles_(doubles), table_(stages), s_(stages) {}
+
+  /// Goes from (t, y) through the asked times (increasing, >= t), calling visit(time, state) at each. Returns
+  /// the steps, or -1 if it took more than `step_limit` or found no step size; t and y are where it stands.
+  template <class Visit>
+  std::int64_t run(S& t, State& y, std::span<const double> times, double tolerance, std::int64_t step_limit,
+                   const Visit& visit) {
+    largest_.fill(0);
+    std::size_t next = 0;
+    for (; next < times.size() && S(times[next]) <= t; ++next) visit(t, y);
+    if (next == times.size()) return 0;
+    const double end = times.back();
+    const double begin = static_cast<double>(t);
+    S h(std::min(end - begin, 1e-2 / std::max(largest_rate(begin, y), 1 / (end - begin))));
+    std::int64_t steps = 0, tries = 0;
+    while (next < times.size()) {
+      if (steps == step_limit || ++tries > 2 * step_limit || !(t + h > t)) return -1;
+      if (h > S(end) - t) h = S(end) - t;
+      const double error = solve(t, y, h) ? truncation(y) : -1;
+      if (error < 0) {
+        h /= S(4);
+        continue;
+      }
+      const double factor = error > 0 ? 0.9 * std::pow(tolerance / error, 1.0 / (s_ + 2)) : 4;
+      if (error > tolerance) {
+        h *= S(std::clamp(factor, 0.1, 0.9));
+        continue;
+      }
+      for (; next < times.size() && S(times[next]) <= t + h; ++next)
+        visit(S(times[next]), inside(y, S((S(times[next]) - t) / h)));
+      for (int i = 0; i < n; ++i) y[std::size_t(i)] += z_(i, s_ - 1);
+      t += h;
+      h *= S(std::clamp(factor, 0.2, 4.0));
+      ++steps;
+    }
+    return steps;
+  }
+
+ private:
+  using Stages = Eigen::Matrix<S, n, Eigen::Dynamic>;
+
+  static std::array<double, n> narrowed(const State& y) {
+    std::array<double, n> x;
+    for (std::size_t i = 0; i < n; ++i) x[i] = static_cast<double>(y[i]);
+    return x;
+  }
+  Eigen::MatrixXd jacobian(double t, const State& y) const {
+    Eigen::MatrixXd J(n, n);
+    doubles_.jacobian(t, narrowed(y).data(), J.data());
+    return J;
+  }
+  double largest_rate(double t, const State& y) const {
+    return jacobian(t, y).cwiseAbs().rowwise().sum().maxCoeff();
+  }
+
+  State stage(const State& y, int j) const {
+    State x;
+    for (int i = 0; i < n; ++i) x[std::size_t(i)] = y[std::size_t(i)] + z_(i, j);
+    return x;
+  }
+
+  /// What differences are measured by: the length of each part of the state. One that has died out, to 1e-40
+  /// of what it was, is zero.
+  std::array<double, n> scales(const State& y) {
+    std::array<double, n> scale;
+    const auto part = [&](int from, int to) {
+      S largest(0);
+      for (int i = from; i < to; ++i) {
+        using std::abs;
+        largest = std::max(largest, S(abs(y[std::size_t(i)])));
+        for (int j = 0; j < s_; ++j) largest = std::max(largest, S(abs(S(y[std::size_t(i)] + z_(i, j)))));
+      }
+      for (int i = from; i < to; ++i)
+        scale[std::size_t(i)] = largest > S(0) ? static_cast<double>(largest) : 1;
+    };
+    if constexpr (M::has_attitude) part(0, 4);
+    if constexpr (M::has_rotation) part(M::Rotating::w_at, M::Rotating::size);
+    if constexpr (M::has_translation) {
+      part(M::rotation_size, M::rotation_size + 3);
+      part(M::rotation_size + 3, M::rotation_size + 6);
+    }
+    return scale;
+  }
+
+  /// The stages of the step from (t, y) as differences z from y. False: Newton's method does not converge.
+  bool solve(const S& t, const State& y, const S& h) {
+    z_ = Stages::Zero(n, s_);
+    Stages f(n, s_);
+    Eigen::PartialPivLU<Eigen::MatrixXd> lu;
+    const double h_double = static_cast<double>(h);
+    double before = std::numeric_limits<double>::infinity(), ratio = 1;
+    for (int iteration = 0; iteration < 30; ++iteration) {
+      for (int j = 0; j < s_; ++j) {
+        State d;
+        const State x = stage(y, j);
+        m_.rhs(S(t + table_.c[std::size_t(j)] * h), x.data(), d.data());
+        for (int i = 0; i < n; ++i) f(i, j) = d[std::size_t(i)];
+      }
+      const Stages residual = z_ - h * (f * table_.a.transpose());
+      if (iteration < 3 || ratio > 1e-3) {
+        Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n * s_, n * s_);
+        for (int j = 0; j < s_; ++j) {
+          const Eigen::MatrixXd J =
+              jacobian(static_cast<double>(S(t + table_.c[std::size_t(j)] * h)), stage(y, j));
+          for (int i = 0; i < s_; ++i)
+            matrix.block(i * n, j * n, n, n) -= h_double * static_cast<double>(table_.a(i, j)) * J;
+        }
+        lu.compute(matrix);
+      }
+      // Scaled to the range of doubles: late residuals lie far below it otherwise.
+      S largest(0);
+      for (int j = 0; j < s_; ++j)
+        for (int i = 0; i < n; ++i) {
+          using std::abs;
+          largest = std::max(largest, S(abs(residual(i, j))));
+        }
+      if (!(largest > S(0))) return true;
+      Eigen::VectorXd right(n * s_);
+      for (int j = 0; j < s_; ++j)
+        for (int i = 0; i < n; ++i) right[j * n + i] = static_cast<double>(S(residual(i, j) / largest));
+      const Eigen::VectorXd change = lu.solve(right);
+      if (!change.allFinite()) return false;
+      double size = 0;
+      const auto scale = scales(y);
+      for (int j = 0; j < s_; ++j)
+        for (int i = 0; i < n; ++i) {
+          const S step = largest * S(change[j * n + i]);
+          z_(i, j) -= step;
+          size = std::max(size, std::abs(static_cast<double>(step)) / scale[std::size_t(i)]);
+        }
+      ratio = size / before;
+      if (size < 64 * epsilon() || (ratio > 0.1 && size < 1e4 * epsilon())) return true;
+      if (iteration > 2 && ratio > 0.5) return false;
+      before = size;
+    }
+    return false;
+  }
+  static double epsilon() { return static_cast<double>(std::numeric_limits<S>::epsilon()); }
+
+  /// What the polynomial of the step misses, relative to the state.
+  double truncation(const State& y) {
+    const auto scale = scales(y);
+    double worst = 0;
+    for (int i = 0; i < n; ++i) {
+      S top(0), next = table_.lower[0] * z_(i, 0);
+      for (int j = 0; j < s_; ++j) top += table_.weights[std::size_t(j) + 1] * z_(i, j);
+      for (int j = 1; j < s_; ++j) next += table_.lower[std::size_t(j)] * z_(i, j);
+      const double last = std::abs(static_cast<double>(top)) / table_.top / scale[std::size_t(i)];
+      const double last_but_one = std::abs(static_cast<double>(next)) / table_.next / scale[std::size_t(i)];
+      const double fall = last_but_one > 0 ? std::min(last / last_but_one, 1.0) : 1;
+      worst = std::max(worst, last * fall);
+    }
+    return worst;
+  }
+
+  /// The collocation polynomial at a fraction of the step.
+  State inside(const State& y, const S& fraction) const {
+    State x = y;
+    S sum(0);
+    std::vector<S> parts;
+    for (std::size_t k = 0; k < table_.nodes.size(); ++k) {
+      const S gap = fraction - table_.nodes[k];
+      if (gap == S(0)) return k == 0 ? y : stage(y, static_cast<int>(k) - 1);
+      parts.push_back(table_.weights[k] / gap);
+      sum += parts.back();
+    }
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < s_; ++j) x[std::size_t(i)] += parts[std::size_t(j) + 1] / sum * z_(i, j);
+    return x;
+  }
+
+  const M& m_;
+  const ErasedModel& doubles_;
+  RadauTable<S> table_;
+  int s_;
+  Stages z_;
+  std::array<double, n> largest_{};  // of each part, at its first place
+};
+
+}  // namespace polhode
