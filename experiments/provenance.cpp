@@ -59,7 +59,7 @@ const char* type_name(ColumnType type) {
 
 }  // namespace
 
-std::string run_json(const std::string& command_line) {
+std::string run_json(const std::string& command_line, std::span<const TruthCost> truths) {
   nlohmann::ordered_json j;
   j["program"] = "polhode";
   j["version"] = polhode_version;
@@ -85,6 +85,10 @@ std::string run_json(const std::string& command_line) {
     engines.push_back(entry);
   }
   j["engines"] = engines;
+  nlohmann::ordered_json costs = nlohmann::ordered_json::array();
+  for (const TruthCost& t : truths)
+    costs.push_back({{"scene", t.scene}, {"kind", t.kind}, {"cost_s", t.seconds}});
+  j["truths"] = costs;
   j["cpu"] = cpu_model();
   j["cores"] = std::thread::hardware_concurrency();
   j["clock"] = "CPU time of the measuring thread";

@@ -10,9 +10,15 @@ namespace polhode {
 
 constexpr const char* polhode_version = POLHODE_VERSION;
 
+/// What the truth of a scene at 17 times cost on this machine.
+struct TruthCost {
+  std::string scene, kind;
+  double seconds;
+};
+
 /// run.json: command, version and commit, compiler, flags, contraction, library versions, engine precision,
 /// CPU, cores, date, seed (none is used: every result is deterministic).
-std::string run_json(const std::string& command_line);
+std::string run_json(const std::string& command_line, std::span<const TruthCost> truths);
 
 /// datapackage.json: each table with its columns, types and meanings.
 std::string datapackage_json(std::span<const Table> tables);

@@ -54,11 +54,14 @@ constexpr Column scene_columns[] = {
     {"unknowns", ColumnType::integer, "length of the state"},
     {"left_out", ColumnType::text, "what the equations do without"},
     {"truth_uncertainty_rad", ColumnType::number,
-     "largest difference between two solutions of other accuracy, rad"},
+     "largest difference to a second solution of less accuracy, rad"},
     {"floor_attitude_rad", ColumnType::number,
-     "what double precision can resolve: conditioning times rounding, rad"},
+     "what double precision can resolve: rounding times the largest growth of a disturbance, rad"},
     {"truth", ColumnType::text, "kind of the truth"},
-    {"conditioning", ColumnType::number, "growth of a relative perturbation of the initial rates"},
+    {"conditioning", ColumnType::number,
+     "growth of a relative disturbance of the initial rates; empty: not known"},
+    {"truth_uncertainty_rate_rel", ColumnType::number, "the same for the rates, relative"},
+    {"floor_rate_rel", ColumnType::number, "what double precision can resolve of the rates, relative"},
 };
 
 Cell order_cell(double order) { return order >= 0 ? Cell(order) : Cell(); }
@@ -86,9 +89,22 @@ Table scene_table(const Plan& plan) {
     const bool attitude = s.rotation && s.rotation->attitude;
     t.add({text(s.id), text(s.title), s.duration, std::int64_t{s.unknowns}, left_out,
            attitude ? Cell(truth->truth.attitude_uncertainty) : Cell(),
-           attitude ? Cell(truth->attitude_floor) : Cell(), truth->truth.kind, truth->conditioning});
+           attitude ? Cell(truth->attitude_floor) : Cell(), truth->truth.kind, number(truth->conditioning),
+           s.rotation ? Cell(truth->truth.rate_uncertainty) : Cell(),
+           s.rotation ? Cell(truth->rate_floor) : Cell()});
   }
   return t;
+}
+
+/// What the truths cost belongs to the machine, and so to run.json.
+std::vector<TruthCost> truths_of(const Plan& plan) {
+  std::vector<TruthCost> costs;
+  if (interrupted()) return costs;
+  for (const Scene& s : plan.scenes) {
+    const auto truth = truth_of(s, uniform_times(s.duration, 16));
+    costs.push_back({s.id, truth->truth.kind, truth->truth.cost_s});
+  }
+  return costs;
 }
 
 Plan plan_of(const Options& options) {
@@ -148,7 +164,7 @@ int answer(const Options& options, const std::vector<Question>& questions) {
   tables.push_back(solver_table());
   if (!interrupted()) tables.push_back(scene_table(plan));
   for (const Table& t : tables) folder->write(std::string(t.file), csv(t));
-  folder->write("run.json", run_json(options.command_line));
+  folder->write("run.json", run_json(options.command_line, truths_of(plan)));
   folder->write("datapackage.json", datapackage_json(tables));
   progress(options, "drawing");
   const ReportOutcome report = write_report(folder->draft());

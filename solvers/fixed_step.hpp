@@ -59,7 +59,7 @@ class FixedStepsOf final : public FixedSteps {
   explicit FixedStepsOf(M model) : model_(std::move(model)) {}
   void restart() override { y_ = S::start(model_); }
   std::int64_t advance(double t_start, double h, std::int64_t i, std::int64_t until, Outcome& outcome,
-                       std::string&) override {
+                       [[maybe_unused]] std::string& reason) override {
     S stepper;  // a library's one holds stage derivatives: scratch, best where only this function sees it
     auto y = y_;
     for (; i < until; ++i) {
@@ -68,6 +68,12 @@ class FixedStepsOf final : public FixedSteps {
         stepper.advance(model_, t, h, y);  // in place: a library's stepper that would have to copy the state
       else
         y = stepper.step(model_, t, h, y);
+      if constexpr (requires { stepper.failure; })
+        if (stepper.failure != nullptr) {
+          outcome = Outcome::solver_failed;
+          reason = stepper.failure;
+          return i;
+        }
     }
     y_ = y;
     if (!all_finite(y)) outcome = Outcome::not_finite;

@@ -32,7 +32,7 @@ struct Truth {
 
 /// Solves the scene at the given times (increasing, >= 0): by its closed form where it has one
 /// (models/closed_form.hpp), whose uncertainty is the largest difference to the same in 40 digits; else as
-/// implicit_solution if it is stiff, else as series_solution.
+/// implicit_solution if it is stiff and that succeeds, else as series_solution. `kind` says which.
 Truth reference_solution(const Scene& scene, std::span<const double> times);
 
 /// Solves any scene by Taylor series, and so is a second truth for those with a closed form.

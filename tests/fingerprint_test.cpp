@@ -77,7 +77,13 @@ INSTANTIATE_TEST_SUITE_P(
                     Pair{"euler-matrix-orthonormalised", "explicit_euler_seed_c_gram_schmidt"},
                     Pair{"rk4", "rk4_q_wbody_raw"}, Pair{"rk4-renormalised", "rk4_q_wbody_normalised"},
                     Pair{"rk4-matrix", "rk4_R_wworld_raw"},
-                    Pair{"semi-implicit-euler", "lie_euler_semi_implicit"}),
+                    Pair{"semi-implicit-euler", "lie_euler_semi_implicit"},
+                    Pair{"lie-euler", "lie_euler_explicit"}, Pair{"lie-euler-momentum", "lie_euler_momentum"},
+                    Pair{"implicit-midpoint", "implicit_midpoint_q_wbody"},
+                    Pair{"lie-midpoint", "lie_midpoint_exp"}, Pair{"akw-midpoint", "akw_midpoint_cay"},
+                    Pair{"no-squish", "strang_32123"}, Pair{"splitting-12321", "strang_12321"},
+                    Pair{"splitting-13231", "strang_13231"}, Pair{"splitting-21312", "strang_21312"},
+                    Pair{"splitting-23132", "strang_23132"}, Pair{"splitting-31213", "strang_31213"}),
     [](const testing::TestParamInfo<Pair>& row) { return std::string(row.param.theirs); });
 
 }  // namespace
