@@ -34,11 +34,15 @@ struct LieMidpoint : LieGroupForm {
     const auto end_rates = [&](const Vec3& middle) -> Vec3 {
       [[maybe_unused]] const Quaternion half = turn(0.5 * h * middle);
       if constexpr (by_momentum) {
-        Vec3 carried = momentum;  // in the body axes at the start
-        if constexpr (M::Rotating::has_load)
-          carried += h * to_space<double>(half, m.rotation.load.template torque_B<double>(
-                                                    t + 0.5 * h, start.q * half, middle));
-        return m.rotation.inverse_moments().cwiseProduct(to_body<double>(turn(h * middle), carried));
+        const Quaternion whole = turn(h * middle);
+        if constexpr (M::Rotating::has_load) {
+          const Vec3 torque = m.rotation.load.template torque_B<double>(t + 0.5 * h, start.q * half, middle);
+          const Vec3 carried =
+              momentum + h * to_space<double>(half, torque);  // in the body axes at the start
+          return m.rotation.inverse_moments().cwiseProduct(to_body<double>(whole, carried));
+        } else {
+          return m.rotation.inverse_moments().cwiseProduct(to_body<double>(whole, momentum));
+        }
       } else {
         return start.w + h * slope(m, t + 0.5 * h, {start.q * half, middle});
       }
