@@ -152,7 +152,9 @@ boost::numeric::odeint::controlled_runge_kutta<Pair> controlled_pair(const Setti
 
 /// A run of one of the library's controlled steppers.
 ///
-/// one_function   all of a step in one function: a tenth faster for the pairs of few stages, slower beyond
+/// one_function   all of a step in the function of the loop: a tenth faster for the pairs of few stages,
+/// slower
+///                for many, whose trial step is best a function of its own
 template <class Controlled, bool one_function, AnyModel M>
 class OdeintControlled final : public AdaptiveSteps {
  public:
@@ -216,12 +218,19 @@ class OdeintControlled final : public AdaptiveSteps {
     else if constexpr (one_function)
       go_flattened(line, t_stop, limit, p);
     else
-      go_inlined(line, t_stop, limit, p);
+      go_step_by_step(line, t_stop, limit, p);
   }
-  // A copy of the model that no store can change: up to a tenth less time.
-  [[gnu::noinline]] void go_inlined(Line& line, double t_stop, std::int64_t limit, Progress& p) {
-    const M model = model_;
-    go_on(model, line, t_stop, limit, p);
+  /// A trial step as a function of its own: what a pair of many stages fills a function with.
+  [[gnu::noinline, gnu::flatten]] static bool try_step(Controlled& stepper, const OdeintRhs<M>& rhs,
+                                                       typename M::State& y, double& t, double& h) {
+    return stepper.try_step(rhs, y, t, h) == boost::numeric::odeint::success;
+  }
+  void go_step_by_step(Line& line, double t_stop, std::int64_t limit, Progress& p) {
+    const OdeintRhs<M> rhs{&model_, &p.rhs_evals};
+    while (p.t + p.h < t_stop && p.attempts < limit) {
+      const double before = p.t, trial = p.h;
+      if (!p.tell(before, trial, try_step(line.stepper, rhs, line.y, p.t, p.h))) break;
+    }
   }
   [[gnu::noinline, gnu::flatten]] void go_flattened(Line& line, double t_stop, std::int64_t limit,
                                                     Progress& p) {
