@@ -38,7 +38,6 @@ bool is_proportional(const Vec3& c, const Vec3& I) {
 
 /// The principal axis about which the body turns for good under drag and body torques; -1 if it does not.
 int principal_axis(const RotationData& r) {
-  const int fallback = only_axis(r.w0, 0);
   int axis = only_axis(r.w0, -2);
   if (axis == -1) return -1;
   for (const auto& load : r.loads) {
@@ -52,7 +51,7 @@ int principal_axis(const RotationData& r) {
       return -1;
     }
   }
-  return axis == -2 ? fallback : axis;
+  return axis == -2 ? 0 : axis;  // at rest, with drag alone: any
 }
 
 Kind kind_of(const Scene& scene) {

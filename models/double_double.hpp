@@ -16,7 +16,6 @@ inline DoubleDouble operator+(const DoubleDouble& a, const DoubleDouble& b) {
   const double high = s + low;
   return {high, low - (high - s)};
 }
-inline DoubleDouble operator-(const DoubleDouble& a) { return {-a.high, -a.low}; }
 inline DoubleDouble operator*(const DoubleDouble& a, const DoubleDouble& b) {
   const double p = a.high * b.high;
   const double low = std::fma(a.high, b.high, -p) + (a.high * b.low + a.low * b.high);

@@ -23,7 +23,6 @@ class Pendulum {
   /// omega        Omega > 0 [1/s]
   /// sine, cosine of phi/2 at t = 0;   rate   phi' at t = 0
   Pendulum(const S& omega, const S& sine, const S& cosine, const S& rate) : omega_(omega) {
-    using std::abs;
     using std::sqrt;
     const S half = rate / (S(2) * omega), m = sine * sine + half * half;
     energy_gap_ = cosine * cosine - half * half;  // 1 - k^2, from terms that are squares of data
@@ -41,8 +40,6 @@ class Pendulum {
 
   bool librates() const { return energy_gap_ > S(0); }
   bool rotates() const { return energy_gap_ < S(0); }
-  /// Largest sin^2(phi/2) of a libration.
-  S modulus_squared() const { return k_ * k_; }
 
   State at(const S& t) const {
     using boost::math::jacobi_elliptic;

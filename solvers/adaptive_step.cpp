@@ -19,7 +19,7 @@ void integrate(AdaptiveSteps& run, const Sample& start, const Setting& setting, 
   std::int64_t next_look = attempts_per_look;
   for (auto asked = grid.stretches.begin(); asked != grid.stretches.end();) {
     run.cruise(asked->t_end, std::min(next_look, setting.step_limit), p);
-    double t_before = p.t;
+    const double t_before = p.t;
     bool good = false;
     if (!p.stuck && p.attempts < setting.step_limit && p.t + p.h >= asked->t_end) {
       const bool last = p.t + p.h >= t_end;
