@@ -11,104 +11,136 @@
 #include <Eigen/LU>
 
 #include "solvers/fixed_step.hpp"
+#include "solvers/iteration.hpp"
 
 namespace polhode {
 namespace {
 
-template <int stages>
-struct Tableau;
-template <>
-struct Tableau<1> {
-  static constexpr double a[1][1] = {{0.5}}, b[1] = {1}, c[1] = {0.5};
+constexpr int most_stages = 3;
+struct Tableau {
+  int stages;
+  double a[most_stages][most_stages], b[most_stages], c[most_stages];
 };
-template <>
-struct Tableau<2> {
-  static constexpr double r = 0.28867513459481288225;  // sqrt(3)/6
-  static constexpr double a[2][2] = {{0.25, 0.25 - r}, {0.25 + r, 0.25}};
-  static constexpr double b[2] = {0.5, 0.5}, c[2] = {0.5 - r, 0.5 + r};
+constexpr double r4 = 0.28867513459481288225;  // sqrt(3)/6
+constexpr double r6 = 3.8729833462074168852;   // sqrt(15)
+constexpr Tableau tableaux[] = {
+    {1, {{0.5}}, {1}, {0.5}},
+    {2, {{0.25, 0.25 - r4}, {0.25 + r4, 0.25}}, {0.5, 0.5}, {0.5 - r4, 0.5 + r4}},
+    {3,
+     {{5.0 / 36, 2.0 / 9 - r6 / 15, 5.0 / 36 - r6 / 30},
+      {5.0 / 36 + r6 / 24, 2.0 / 9, 5.0 / 36 - r6 / 24},
+      {5.0 / 36 + r6 / 30, 2.0 / 9 + r6 / 15, 5.0 / 36}},
+     {5.0 / 18, 4.0 / 9, 5.0 / 18},
+     {0.5 - r6 / 10, 0.5, 0.5 + r6 / 10}},
 };
-template <>
-struct Tableau<3> {
-  static constexpr double r = 3.8729833462074168852;  // sqrt(15)
-  static constexpr double a[3][3] = {{5.0 / 36, 2.0 / 9 - r / 15, 5.0 / 36 - r / 30},
-                                     {5.0 / 36 + r / 24, 2.0 / 9, 5.0 / 36 - r / 24},
-                                     {5.0 / 36 + r / 30, 2.0 / 9 + r / 15, 5.0 / 36}};
-  static constexpr double b[3] = {5.0 / 18, 4.0 / 9, 5.0 / 18}, c[3] = {0.5 - r / 10, 0.5, 0.5 + r / 10};
+
+/// The equations of a step's stages, for Newton's method, which is compiled once for all models.
+class StageEquations {
+ public:
+  virtual ~StageEquations() = default;
+  /// f(t + c_i h, y + h sum a_ij k_j) of all stages, one after the other, as k is.
+  virtual void slopes(const double* k, double* f) const = 0;
+  virtual void jacobian(double* J) const = 0;  // of the right-hand side at the start of the step
 };
+
+/// Simplified Newton iteration on k = f(k) from the slope at the start of the step. Where it fails k is not
+/// of use. Returns the calls of `slopes`, negative if it failed.
+int newton(const StageEquations& equations, const Tableau& T, int n, double h, double* k_at,
+           double rounding) {
+  const int stages = T.stages;
+  Eigen::MatrixXd J(n, n), matrix = Eigen::MatrixXd::Identity(n * stages, n * stages);
+  equations.jacobian(J.data());
+  for (int i = 0; i < stages; ++i)
+    for (int j = 0; j < stages; ++j) matrix.block(i * n, j * n, n, n) -= h * T.a[i][j] * J;
+  const Eigen::PartialPivLU<Eigen::MatrixXd> lu(matrix);
+  Eigen::Map<Eigen::VectorXd> k(k_at, n * stages);
+  Eigen::VectorXd f(n * stages);
+  double before = std::numeric_limits<double>::infinity();
+  for (int i = 1; i <= 100; ++i) {
+    equations.slopes(k.data(), f.data());
+    const Eigen::VectorXd correction = lu.solve(f - k);
+    const double change = std::abs(h) * correction.cwiseAbs().maxCoeff();
+    if (!std::isfinite(change)) return -i;
+    k += correction;
+    if (change <= rounding || (i > 4 && change < 64 * rounding && change >= before)) return i;
+    before = change;
+  }
+  return -100;
+}
 
 template <int stages>
 struct Gauss : QuaternionForm {
-  static constexpr int rhs_per_step = 0;  // as many as the iteration takes
-  using T = Tableau<stages>;
+  static constexpr const Tableau& T = tableaux[stages - 1];
+  std::int64_t rhs_evals = 0;
+  const char* failure = nullptr;
 
   template <AnyModel M>
-  typename M::State step(const M& m, double t, double h, const typename M::State& y) const {
-    constexpr int n = M::size;
-    using Column = Eigen::Matrix<double, n, 1>;
-    using Stages = Eigen::Matrix<double, n, stages>;
-    const Eigen::Map<const Column> start(y.data());
-    Stages k;
-    const auto slopes_at = [&](const Stages& from) {
-      Stages f;
-      for (int i = 0; i < stages; ++i) {
-        Column x = start;
-        for (int j = 0; j < stages; ++j) x += h * T::a[i][j] * from.col(j);
-        m.rhs(t + T::c[i] * h, x.data(), f.col(i).data());
-      }
-      return f;
-    };
-    m.rhs(t, y.data(), k.col(0).data());
-    for (int i = 1; i < stages; ++i) k.col(i) = k.col(0);
+  using Stages = std::array<typename M::State, stages>;
 
-    // Changes of the state below an ulp of it are none.
-    const double rounding = 2.2e-16 * (start.cwiseAbs().maxCoeff() + 1e-300);
-    const auto change_of = [&](const Stages& a, const Stages& b) {
-      return std::abs(h) * (a - b).cwiseAbs().maxCoeff();
-    };
-    bool done = false;
-    double before = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < 60 && !done; ++i) {
-      const Stages next = slopes_at(k);
-      const double change = change_of(next, k);
-      k = next;
-      done = change <= rounding || (i > 3 && change < 8 * rounding && change >= before);
-      if (!done && i > 2 && !(change < 0.7 * before)) break;
-      before = change;
+  template <AnyModel M>
+  struct Equations final : StageEquations {
+    const M& m;
+    double t, h;
+    const typename M::State& y;
+    Equations(const M& model, double time, double step, const typename M::State& start)
+        : m(model), t(time), h(step), y(start) {}
+    void slopes(const double* k, double* f) const override { slopes_at(m, t, h, y, k, f); }
+    void jacobian(double* J) const override {
+      m.jacobian(t, y.data(), Eigen::Map<Eigen::Matrix<double, M::size, M::size>>(J));
     }
-    if (!done) done = newton(m, t, h, y, k, slopes_at, change_of, rounding);
-    if (!done) failure = "the stage equations have no solution that could be found";
+  };
+
+  template <AnyModel M>
+  typename M::State step(const M& m, double t, double h, const typename M::State& y) {
+    constexpr std::size_t n = M::size;
+    Stages<M> k, f;
+    double largest = 1e-300;
+    for (const double x : y) largest = std::max(largest, std::abs(x));
+    const double rounding = 2.2e-16 * largest;  // changes of the state below an ulp of it are none
+
+    m.rhs(t, y.data(), f[0].data());
+    k.fill(f[0]);
+    const typename M::State slope = f[0];
+    ++rhs_evals;
+    Settling settling(rounding);
+    bool done = false;
+    for (int i = 0; i < 60 && !done && !settling.slower_than(0.7); ++i) {
+      slopes_at(m, t, h, y, k[0].data(), f[0].data());
+      rhs_evals += stages;
+      double change = 0;
+      for (std::size_t s = 0; s < stages; ++s)
+        for (std::size_t j = 0; j < n; ++j) {
+          // Not std::max: a difference that is no number has to be seen.
+          const double d = std::abs(h * (f[s][j] - k[s][j]));
+          if (!(d <= change)) change = d;
+        }
+      k = f;
+      done = settling.at_rest(change);
+    }
+    if (!done) {
+      k.fill(slope);
+      const int calls = newton(Equations<M>(m, t, h, y), T, M::size, h, k[0].data(), rounding);
+      rhs_evals += stages * std::abs(calls);
+      if (calls < 0) failure = "the stage equations have no solution that could be found";
+    }
     typename M::State next = y;
-    for (int i = 0; i < stages; ++i)
-      for (int j = 0; j < n; ++j) next[static_cast<std::size_t>(j)] += h * T::b[i] * k(j, i);
+    for (std::size_t s = 0; s < stages; ++s)
+      for (std::size_t j = 0; j < n; ++j) next[j] += h * T.b[s] * k[s][j];
     return next;
   }
 
-  mutable const char* failure = nullptr;
-
  private:
-  template <AnyModel M, class Stages, class SlopesAt, class ChangeOf>
-  static bool newton(const M& m, double t, double h, const typename M::State& y, Stages& k,
-                     const SlopesAt& slopes_at, const ChangeOf& change_of, double rounding) {
-    constexpr int n = M::size;
-    Eigen::Matrix<double, n, n> J;
-    m.jacobian(t, y.data(), J);
-    Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n * stages, n * stages);
-    for (int i = 0; i < stages; ++i)
-      for (int j = 0; j < stages; ++j) matrix.block(i * n, j * n, n, n) -= h * T::a[i][j] * J;
-    const Eigen::PartialPivLU<Eigen::MatrixXd> lu(matrix);
-    for (int i = 0; i < stages; ++i) m.rhs(t, y.data(), k.col(i).data());
-    double before = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < 100; ++i) {
-      const Stages f = slopes_at(k);
-      const Eigen::VectorXd right = (f - k).reshaped();
-      const Stages next = k + lu.solve(right).reshaped(n, stages);
-      const double change = change_of(next, k);
-      if (!std::isfinite(change)) return false;
-      k = next;
-      if (change <= rounding || (i > 3 && change < 64 * rounding && change >= before)) return true;
-      before = change;
+  template <AnyModel M>
+  static void slopes_at(const M& m, double t, double h, const typename M::State& y, const double* k,
+                        double* f) {
+    constexpr std::size_t n = M::size;
+    for (std::size_t i = 0; i < stages; ++i) {
+      typename M::State x = y, d;
+      for (std::size_t s = 0; s < stages; ++s)
+        for (std::size_t j = 0; j < n; ++j) x[j] += h * T.a[i][s] * k[s * n + j];
+      m.rhs(t + T.c[i] * h, x.data(), d.data());
+      std::copy(d.begin(), d.end(), f + i * n);
     }
-    return false;
   }
 };
 

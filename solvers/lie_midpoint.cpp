@@ -8,6 +8,7 @@
 // is what the midpoint rule turns by. Implicit: solved to rounding by fixed-point iteration; where that does
 // not contract (h |w| beyond about one) the run ends with solver_failed. Source: Simo & Wong, Int. J. Numer.
 // Meth. Eng. 31 (1991); Austin, Krishnaprasad & Wang, J. Comput. Phys. 107 (1993), 105.
+#include "solvers/iteration.hpp"
 #include "solvers/lie_group.hpp"
 
 namespace polhode {
@@ -20,15 +21,15 @@ inline Quaternion cayley(const Vec3& v) {
 
 template <bool by_momentum>
 struct LieMidpoint : LieGroupForm {
-  static constexpr int rhs_per_step = 0;  // as many as the iteration takes
-  mutable const char* failure = nullptr;
+  std::int64_t rhs_evals = 0;
+  const char* failure = nullptr;
 
   static Quaternion turn(const Vec3& angle) {
     return by_momentum ? cayley(angle) : exp_rotation<double>(angle);
   }
 
   template <WithAttitude M>
-  typename M::State step(const M& m, double t, double h, const typename M::State& y) const {
+  typename M::State step(const M& m, double t, double h, const typename M::State& y) {
     const Turning start = turning_of(m, y);
     const Vec3 momentum = m.rotation.momentum_B(start.w);
     const auto end_rates = [&](const Vec3& middle) -> Vec3 {
@@ -48,17 +49,8 @@ struct LieMidpoint : LieGroupForm {
       }
     };
     Vec3 w = start.w;
-    double before = std::numeric_limits<double>::infinity();
-    const double rounding = 2.2e-16 * (start.w.cwiseAbs().maxCoeff() + 1e-300);
-    bool done = false;
-    for (int i = 0; i < 200 && !done; ++i) {
-      const Vec3 next = end_rates(0.5 * (start.w + w));
-      const double change = (next - w).cwiseAbs().maxCoeff();
-      w = next;
-      done = change <= rounding || (i > 3 && change < 8 * rounding && change >= before);
-      before = change;
-    }
-    if (!done) failure = "the fixed-point iteration for the end of the step does not converge";
+    if (!iterate_to_rounding(w, rhs_evals, [&](const Vec3& end) { return end_rates(0.5 * (start.w + end)); }))
+      failure = "the fixed-point iteration for the end of the step does not converge";
     return moved<4>(m, h, y, {start.q * turn(0.5 * h * (start.w + w)), w});
   }
 };

@@ -277,8 +277,7 @@ Prepared run_odeint(const Scene& scene, const Setting& setting) {
     if constexpr (requires { typename Family::template fixed<State>; })
       if (setting.knob == Knob::steps) {
         using Stepper = typename Family::template fixed<State>;
-        return run_fixed_steps(std::make_shared<FixedStepsOf<Stepper, M>>(std::move(model)), setting,
-                               Stepper::rhs_per_step);
+        return run_fixed_steps(std::make_shared<FixedStepsOf<Stepper, M>>(std::move(model)), setting);
       }
     return {{},
             setting.knob == Knob::steps ? "has no fixed step size, only a tolerance"

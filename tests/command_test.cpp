@@ -135,7 +135,7 @@ TEST(Command, SimulateGivesExactlyTheAskedRows) {
 
 TEST(Command, TwoStudiesAgreeToTheByteInTheirAccuracyColumns) {
   const TemporaryFolder folder;
-#ifdef __SANITIZE_ADDRESS__  // ten times slower: one solver of each kind
+#ifdef POLHODE_SANITIZED  // ten times slower: one solver of each kind
   const std::string solvers =
       "--solver euler-matrix --solver rk4 --solver cvode-bdf --solver odeint-dopri5 --solver exact "
       "--solver bullet-implicit-body ";

@@ -95,7 +95,7 @@ void expect_eight_ulp(const Case& c, const char* what) {
 
 // A quarter of ten thousand bodies for each of four seeds; the sanitizers, ten times slower, see the same
 // code in a tenth.
-#ifdef __SANITIZE_ADDRESS__
+#ifdef POLHODE_SANITIZED
 constexpr int body_count = 250;
 #else
 constexpr int body_count = 2500;

@@ -241,7 +241,7 @@ Sample sample_of(const M& m, double t, const btRigidBody& body) {
   return s;
 }
 
-std::string reason_of(Limit limit) {
+const char* reason_of(Limit limit) {
   return limit == Limit::rotation ? "a rotation of more than pi/4 in a step, which Bullet cuts to pi/4"
                                   : "a gyroscopic torque of more than 100 N m, which Bullet cuts to 100 N m";
 }
@@ -252,24 +252,23 @@ class BulletSteps final : public FixedSteps {
  public:
   BulletSteps(M model, int mode) : model_(std::move(model)), bullet_(model_, mode) { bullet_.restart(); }
   void restart() override { bullet_.restart(); }
-  std::int64_t advance(double t_start, double h, std::int64_t i, std::int64_t until, Outcome& outcome,
-                       std::string& reason) override {
+  Advance advance(double t_start, double h, std::int64_t i, std::int64_t until) override {
     const btScalar bullet_h = btScalar(h);
-    if (btFuzzyZero(bullet_h)) {
-      outcome = Outcome::solver_failed;
-      reason = "a step size below Bullet's epsilon, at which it stands still";
-      return i;
-    }
+    if (btFuzzyZero(bullet_h))
+      return {i, Outcome::solver_failed, "a step size below Bullet's epsilon, at which it stands still", 0};
+    const std::int64_t from = i;
     Limit met = Limit::none;
     for (; i < until && met == Limit::none; ++i)
       met = bullet_.step(t_start + static_cast<double>(i) * h, bullet_h);
+    Advance done{i, Outcome::ok, nullptr, i - from};
     if (met != Limit::none) {
-      outcome = Outcome::clamped;
-      reason = reason_of(met);
+      done.outcome = Outcome::clamped;
+      done.reason = reason_of(met);
     } else if (!all_finite(state_of<M>(bullet_.body()))) {
-      outcome = Outcome::not_finite;
+      done.outcome = Outcome::not_finite;
+      done.reason = "a state that is not finite";
     }
-    return i;
+    return done;
   }
   Sample sample(double t) const override { return sample_of(model_, t, bullet_.body()); }
 
@@ -289,7 +288,7 @@ Prepared prepare_mode(const Scene& scene, const Setting& setting, int mode) {
       return nullptr;
   });
   if (!steps) return {{}, "Bullet always integrates the attitude, and the scene asks for the rates alone"};
-  return run_fixed_steps(std::move(steps), setting, 1);
+  return run_fixed_steps(std::move(steps), setting);
 }
 
 template <template <class> class Body, int mode>
