@@ -4,7 +4,7 @@
 #include <functional>
 #include <optional>
 
-#include "models/free_rotation.hpp"
+#include "models/extended_free_rotation.hpp"
 #include "models/pendulum.hpp"
 #include "models/wide.hpp"
 
@@ -94,23 +94,18 @@ class Rotating {
   virtual Turning<S> at(const S& t) const = 0;
 };
 
-template <class S>
+/// Motion: FreeRotation<S>, or the extended one.
+template <class S, class Motion = FreeRotation<S>>
 class Freely final : public Rotating<S> {
  public:
-  explicit Freely(const RotationData& r, bool extended = false)
-      : r_(r), extended_(extended), motion_(made()) {}
+  explicit Freely(const RotationData& r) : r_(r), motion_(made()) {}
   void set_up() override { motion_ = made(); }
   Turning<S> at(const S& t) const override { return motion_.at(t); }
 
  private:
-  FreeRotation<S> made() const {
-    if constexpr (std::is_same_v<S, double>)
-      if (extended_) return FreeRotation<S>::extended(r_.moments, r_.q0, r_.w0);
-    return FreeRotation<S>(r_.moments, r_.q0.template cast<S>(), r_.w0.template cast<S>());
-  }
+  Motion made() const { return Motion(r_.moments, r_.q0.template cast<S>(), r_.w0.template cast<S>()); }
   RotationData r_;
-  bool extended_;
-  FreeRotation<S> motion_;
+  Motion motion_;
 };
 
 /// (1 - exp(-rate t))/rate, down to t itself for no rate.
@@ -255,13 +250,15 @@ class PlanarGravityGradient final : public Rotating<S> {
 };
 
 template <class S>
-std::unique_ptr<Rotating<S>> rotating(const Scene& scene, Kind kind, bool extended) {
+std::unique_ptr<Rotating<S>> rotating(const Scene& scene, Kind kind, [[maybe_unused]] bool extended) {
   const RotationData& r = *scene.rotation;
   switch (kind) {
     case Kind::none:
       return nullptr;
     case Kind::free:
-      return std::make_unique<Freely<S>>(r, extended);
+      if constexpr (std::is_same_v<S, double>)
+        if (extended) return std::make_unique<Freely<S, ExtendedFreeRotation>>(r);
+      return std::make_unique<Freely<S>>(r);
     case Kind::proportional_drag:
       return std::make_unique<ProportionalDrag<S>>(r);
     case Kind::principal_axis:

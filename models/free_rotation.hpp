@@ -21,7 +21,6 @@
 #include <utility>
 
 #include "models/attitude.hpp"
-#include "models/double_double.hpp"
 #include "models/landen.hpp"
 #include "models/momentum_excess.hpp"
 #include "models/theta_sums.hpp"
@@ -55,34 +54,25 @@ class FreeRotation {
     }
   }
 
-  /// The same in doubles from a set-up in long double, whose phases keep low words: an error that hardly
-  /// grows before t = 1000 periods, for three times the set-up.
-  static FreeRotation extended(const Vec3& moments, const QuaternionT<S>& q0,
-                               const Vec3T<S>& w0) requires std::is_same_v<S, double> {
-    return FreeRotation(
-        FreeRotation<long double>(moments, q0.template cast<long double>(), w0.template cast<long double>()),
-        q0, w0);
-  }
-
   /// The state at time t, which may be negative.
   State at(const S& t) const {
     switch (kind_) {
       case Kind::steady:
-        return {q0_ * turn(long_spin_, w0_, t), w0_};
+        return {q0_ * exp_rotation<S>(Vec3T<S>(w0_ * t)), w0_};
       case Kind::symmetric: {
-        const QuaternionT<S> spin = turn(long_spin_, spin_, t);
-        return {q0_ * turn(long_precession_, precession_, t) * spin, to_body<S>(spin, w0_)};
+        const QuaternionT<S> spin = exp_rotation<S>(Vec3T<S>(spin_ * t));
+        return {q0_ * exp_rotation<S>(Vec3T<S>(precession_ * t)) * spin, to_body<S>(spin, w0_)};
       }
       case Kind::inside: {
         // The turn first: nothing waits for it, and it waits for nothing.
-        const Direction half_angle = half_turn_angle(t, S(0));
-        return place(sums_.inside(inside_phase(t)), half_angle);
+        const auto half_angle = direction(phase(half_turn_, t, S(0)));
+        return place(sums_.inside(direction(phase(rate_, t, start_))), half_angle);
       }
       case Kind::outside: {
         S turns(0);
-        const S x = outside_phase(t, turns);
-        const Direction half_angle = half_turn_angle(t, turns);
-        return place(sums_.outside(x, turns), half_angle);
+        const Phase x = outside_phase(t, turns);
+        const auto half_angle = direction(phase(half_turn_, t, S(half_jump_ * turns)));
+        return place(outside_point(x, turns), half_angle);
       }
     }
     return {q0_, w0_};
@@ -111,47 +101,7 @@ class FreeRotation {
 
   // ---- set-up
 
-  template <class>
-  friend class FreeRotation;
-
-  /// From the constants of a wider type.
-  FreeRotation(const FreeRotation<long double>& x, const QuaternionT<S>& q0,
-               const Vec3T<S>& w0) requires std::is_same_v<S, double>
-      : kind_(static_cast<Kind>(static_cast<int>(x.kind_))),
-        extended_(true),
-        q0_(normalised<S>(q0)),
-        w0_(w0) {
-    const auto words = [](long double from, S& to, S& low) {
-      to = static_cast<S>(from);
-      low = static_cast<S>(from - static_cast<long double>(to));
-    };
-    m1_ = static_cast<S>(x.m1_);
-    if (kind_ == Kind::steady) {
-      long_spin_ = x.w0_;
-      return;
-    }
-    if (kind_ == Kind::symmetric) {
-      precession_ = x.precession_.template cast<S>();
-      spin_ = x.spin_.template cast<S>();
-      long_precession_ = x.precession_;
-      long_spin_ = x.spin_;
-      return;
-    }
-    axis_ = x.axis_;
-    about_largest_ = x.about_largest_;
-    for (std::size_t i = 0; i < 3; ++i) sign_[i] = static_cast<S>(x.sign_[i]);
-    amplitude_ = x.amplitude_.template cast<S>();
-    n_ = x.n_.template cast<S>();
-    tilt_ = static_cast<S>(x.tilt_);
-    modulus_ = static_cast<S>(x.modulus_);
-    words(x.start_, start_, low_.start);
-    words(x.rate_, rate_, low_.rate);
-    words(x.turn_, turn_, low_.turn);
-    words(x.span_, span_, low_.span);
-    words(x.half_jump_, half_jump_, low_.half_jump);
-    sums_.narrow(x.sums_);
-    from_momentum_ = x.from_momentum_.template cast<S>();
-  }
+  friend class ExtendedFreeRotation;
 
   void set_up_symmetric(const Vec3& moments, const Vec3& d) {
     kind_ = Kind::symmetric;
@@ -199,26 +149,30 @@ class FreeRotation {
     amplitude_ = Vec3T<S>(sign_[0] * a1, sign_[1] * side * a2, sign_[2] * a3);
     n_ = Vec3T<S>(I1 * a1, side * I2 * a2, I3 * a3) / L;
     tilt_ = side * I2 * a2 / (I1 * a1);
-    turn_ = L / (about_largest_ ? I3 : I1);
+    S turn = L / (about_largest_ ? I3 : I1);  // the mean rate of the turn about L, less a positive term
     const S sine = side * w2 / a2, cosine = w1 / a1;
     // The amplitude of the turn about L: tan = sqrt(I1 (I2 - I3)/(I3 (I1 - I2))), a property of the body.
     const S tangent = sqrt(I1 * d32 / (I3 * d21)), k = sqrt(m), k1 = sqrt(m1_);
     if (m <= m1_)
-      set_up_inside(Mean(k1, m), nome(m, k1), lambda, sine, cosine, tangent, k);
+      turn += set_up_inside(Mean(k1, m), nome(m, k1), lambda, sine, cosine, tangent, k);
     else
-      set_up_outside(Mean(k, m1_), nome(m1_, k), lambda, sine, cosine, tangent, k, k1);
+      turn += set_up_outside(Mean(k, m1_), nome(m1_, k), lambda, sine, cosine, tangent, k, k1);
+    if (kind_ == Kind::inside) sums_.finish_inside();
+    half_turn_ = turn / S(2);
     S turns(0);
-    const Polhode p =
-        kind_ == Kind::inside ? sums_.inside(start_) : sums_.outside(outside_phase(S(0), turns), turns);
+    const Polhode p = kind_ == Kind::inside ? sums_.inside(direction(Phase{start_, S(0)}))
+                                            : outside_point(outside_phase(S(0), turns), turns);
     const S x = tilt_ * p.sn, y = p.cn;
-    modulus_ = sqrt((p.re * p.re + p.im * p.im) / (x * x + y * y)) / p.weight;
+    modulus_ = sqrt((p.re * p.re + p.im * p.im) / (x * x + y * y));
     const auto given = [&](std::size_t i) { return S(sign_[i] * q0_.coeffs()[axis_[i]]); };
-    from_momentum_ = QuaternionT<S>(q0_.w(), given(0), given(1), given(2)) *
-                     about_momentum(p, half_turn_angle(S(0), turns)).conjugate();
+    const Scaled about = about_momentum(p, direction(Phase{S(half_jump_ * turns), S(0)}));
+    from_momentum_ = QuaternionT<S>(q0_.w(), given(0), given(1), given(2)) * about.q.conjugate();
+    from_momentum_.coeffs() *= about.scale;
   }
 
-  void set_up_inside(const Mean& mean, const S& p, const S& lambda, const S& sine, const S& cosine,
-                     const S& tangent, const S& k) {
+  /// Returns that term.
+  S set_up_inside(const Mean& mean, const S& p, const S& lambda, const S& sine, const S& cosine,
+                  const S& tangent, const S& k) {
     using std::exp;
     using std::expm1;
     kind_ = Kind::inside;
@@ -252,11 +206,11 @@ class FreeRotation {
       power_X *= X;
       power_Y *= Y;
     }
-    turn_ += rate_ * top / bottom;
+    return rate_ * top / bottom;
   }
 
-  void set_up_outside(const Mean& mean, const S& p, const S& lambda, const S& sine, const S& cosine,
-                      const S& tangent, const S& k, const S& k1) {
+  S set_up_outside(const Mean& mean, const S& p, const S& lambda, const S& sine, const S& cosine,
+                   const S& tangent, const S& k, const S& k1) {
     using std::abs;
     using std::cos;
     using std::log;
@@ -295,80 +249,54 @@ class FreeRotation {
       s_now = s_next;
       c_now = c_next;
     }
-    turn_ += rate_ * top / bottom;
+    return rate_ * top / bottom;
   }
 
-  /// Turn of constant rate; in long double where low words are kept.
-  QuaternionT<S> turn(const Vec3T<long double>& long_rate, const Vec3T<S>& rate, const S& t) const {
-    if constexpr (std::is_same_v<S, double>)
-      if (extended_)
-        return exp_rotation<long double>(Vec3T<long double>(long_rate * static_cast<long double>(t)))
-            .template cast<S>();
-    return exp_rotation<S>(Vec3T<S>(rate * t));
-  }
-
-  // ---- phases and angles at a time; where low words are there, in twice the precision of S
-  S inside_phase(const S& t) const {
-    if constexpr (std::is_same_v<S, double>)
-      if (extended_) {
-        const DoubleDouble z =
-            DoubleDouble{rate_, low_.rate} * DoubleDouble{t} + DoubleDouble{start_, low_.start};
-        return less_turns(z, std::round(z.high / full_turn.high), full_turn);
-      }
-    return start_ + rate_ * t;
-  }
-
-  /// Less whole spans, whose number is `turns`.
-  S outside_phase(const S& t, S& turns) const {
-    using std::round;
-    if constexpr (std::is_same_v<S, double>)
-      if (extended_) {
-        const DoubleDouble x =
-            DoubleDouble{rate_, low_.rate} * DoubleDouble{t} + DoubleDouble{start_, low_.start};
-        if (!(sums_.nome > 0)) return x.high;
-        turns = std::round(x.high / span_);
-        return less_turns(x, turns, {span_, low_.span});
-      }
-    const S x = start_ + rate_ * t;
-    if (!(sums_.nome > S(0))) return x;
-    turns = round(S(x / span_));
-    return x - turns * span_;
-  }
-
-  struct Direction {
-    S cosine, sine;
+  // ---- phases and angles at a time, with what a double loses of the product and the sum: the error of a
+  // phase is then that of its rate alone
+  struct Phase {
+    S high, low;
   };
-  /// Half the uniform part of the turn about L.
-  Direction half_turn_angle(const S& t, const S& turns) const {
+  static Phase phase(const S& rate, const S& t, const S& start) {
+    const S way = rate * t, high = way + start;
+    if constexpr (std::is_same_v<S, double>) return {high, std::fma(rate, t, -way) + (start - (high - way))};
+    return {high, S(0)};
+  }
+  static Direction<S> direction(const Phase& x) {
     using std::cos;
     using std::sin;
-    const S half = turn_angle(t, turns) / S(2);
-    return {S(cos(half)), S(sin(half))};
+    const S c = cos(x.high), s = sin(x.high);
+    return {S(c - x.low * s), S(s + x.low * c)};
   }
-  S turn_angle(const S& t, const S& turns) const {
-    if constexpr (std::is_same_v<S, double>)
-      if (extended_) {
-        const DoubleDouble angle = DoubleDouble{turn_, low_.turn} * DoubleDouble{t} +
-                                   DoubleDouble{half_jump_, low_.half_jump} * DoubleDouble{2 * turns};
-        return less_turns(angle, 2 * std::round(angle.high / (2 * full_turn.high)),
-                          full_turn);  // q knows half turns
-      }
-    return turn_ * t + S(2) * half_jump_ * turns;
+  /// Less whole spans, whose number is `turns`.
+  Phase outside_phase(const S& t, S& turns) const {
+    using std::round;
+    Phase x = phase(rate_, t, start_);
+    if (!(sums_.nome > S(0))) return x;
+    turns = round(S(x.high / span_));
+    x.high -= turns * span_;
+    return x;
   }
-
-  static constexpr DoubleDouble full_turn{6.283185307179586, 2.4492935982947064e-16};
-  static double less_turns(const DoubleDouble& x, double n, const DoubleDouble& unit) {
-    const DoubleDouble y = x + unit * DoubleDouble{-n};
-    return y.high + y.low;
+  Polhode outside_point(const Phase& x, const S& turns) const {
+    using std::abs;
+    using std::exp;
+    const S side(x.high < S(0) ? -1 : 1), e = exp(S(-abs(x.high)));
+    return sums_.outside(S(e - e * side * x.low), side, turns);
   }
 
   // ---- evaluation
 
-  /// The attitude in a frame whose third axis is L, up to a constant turn about it.
-  QuaternionT<S> about_momentum(const Polhode& p, const Direction& half_angle) const {
+  struct Scaled {
+    QuaternionT<S> q;
+    S scale;  // by which q is of unit length
+  };
+  /// The attitude in a frame whose third axis is L, up to a constant turn about it. The scale, a root and a
+  /// quotient, is apart: what is done with q need not wait for it.
+  Scaled about_momentum(const Polhode& p, const Direction<S>& half_angle) const {
     using std::sqrt;
     const S side = about_largest_ ? S(1) : S(-1);
-    // n = L_B/|L|, and n2 + i n1 over I1 a1/|L|, so that it has a direction however small it is.
+    // n = L_B/|L|, and n2 + i n1 over I1 a1/|L|, so that it has a direction however small it is; all times
+    // the weight.
     const S n1 = n_[0] * p.cn, n2 = n_[1] * p.sn, n3 = n_[2] * p.dn;
     const S x = tilt_ * p.sn, y = p.cn;
     // side (re - i side im)(x + i y) has a positive real part and the angle of the rest of the turn: its half
@@ -376,48 +304,45 @@ class FreeRotation {
     // the product of two that are proportional.
     const S im = side * p.im;
     const S u = side * (p.re * x + im * y), v = side * (p.re * y - im * x);
-    const S r = modulus_ * p.weight * (x * x + y * y), c = r + u;
-    const S scale = S(1) / (S(2) * sqrt(r * c * (S(1) + n3)));
-    const S half_c = (c * half_angle.cosine - v * half_angle.sine) * scale;
-    const S half_s = (c * half_angle.sine + v * half_angle.cosine) * scale;
+    const S r = modulus_ * (x * x + y * y), c = r + u, top = p.weight + n3;
+    const S scale = S(0.5) / sqrt((r * p.weight) * (c * top));
+    const S half_c = c * half_angle.cosine - v * half_angle.sine;
+    const S half_s = c * half_angle.sine + v * half_angle.cosine;
     // (half_c, 0, 0, half_s) (1 + n3, n2, -n1, 0)
-    return QuaternionT<S>(half_c * (S(1) + n3), half_c * n2 + half_s * n1, half_s * n2 - half_c * n1,
-                          half_s * (S(1) + n3));
+    return {{half_c * top, half_c * n2 + half_s * n1, half_s * n2 - half_c * n1, half_s * top}, scale};
   }
 
-  State place(const Polhode& p, const Direction& half_angle) const {
-    const QuaternionT<S> q = from_momentum_ * about_momentum(p, half_angle);
+  State place(const Polhode& p, const Direction<S>& half_angle) const {
+    const Scaled about = about_momentum(p, half_angle);
+    const QuaternionT<S> q = from_momentum_ * about.q;
+    const S inverse = S(1) / p.weight;
     const Vec3T<S> v(sign_[0] * q.x(), sign_[1] * q.y(), sign_[2] * q.z());
     const Vec3T<S> w(amplitude_[0] * p.cn, amplitude_[1] * p.sn, amplitude_[2] * p.dn);
     State state;
-    state.q.w() = q.w();
+    state.q.w() = q.w() * about.scale;
     for (std::size_t i = 0; i < 3; ++i) {
-      state.q.coeffs()[axis_[i]] = v[static_cast<int>(i)];
-      state.w_B[axis_[i]] = w[static_cast<int>(i)];
+      state.q.coeffs()[axis_[i]] = v[static_cast<int>(i)] * about.scale;
+      state.w_B[axis_[i]] = w[static_cast<int>(i)] * inverse;
     }
     return state;
   }
 
   Kind kind_ = Kind::steady;
-  bool extended_ = false;
   QuaternionT<S> q0_;
   Vec3T<S> w0_;
   Vec3T<S> precession_, spin_;  // symmetric: rates of the two turns, body components
-  Vec3T<long double> long_precession_, long_spin_;
 
   // triaxial, in axes (1, 2, 3): axis_[i] is the body's, taken with sign_[i]
   std::array<int, 3> axis_{0, 1, 2};
   std::array<S, 3> sign_{S(1), S(1), S(1)};
   bool about_largest_ = true;
   S m1_{1};
-  Vec3T<S> amplitude_;           // of the rates, with the signs of the body's own axes
-  Vec3T<S> n_;                   // and of L_B/|L|
-  S modulus_{};                  // |re + i im| over the weight and |n2 + i n1|
-  S tilt_{};                     // n_[1]/n_[0]
-  S start_{}, rate_{}, turn_{};  // phase at t = 0 and its rate, uniform rate of the turn about L
-  struct {
-    S start{}, rate{}, turn{}, span{}, half_jump{};
-  } low_;                   // words below those of the same names
+  Vec3T<S> amplitude_;  // of the rates, with the signs of the body's own axes
+  Vec3T<S> n_;          // and of L_B/|L|
+  S modulus_{};         // |re + i im| over |n2 + i n1|
+  S tilt_{};            // n_[1]/n_[0]
+  S start_{}, rate_{},
+      half_turn_{};         // phase at t = 0 and its rate, half the uniform rate of the turn about L
   S span_{}, half_jump_{};  // outside: the phase between jumps, half the jump
   Sums sums_;
   QuaternionT<S> from_momentum_{S(1), S(0), S(0), S(0)};  // to space, by way of q0; in axes (1, 2, 3)

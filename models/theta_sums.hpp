@@ -13,13 +13,17 @@
 namespace polhode {
 
 /// A point of a polhode.
-/// Jacobi functions, and e^(i angle) times a positive number for the part of the
-/// turn about L that is not uniform.
 template <class S>
 struct PolhodePoint {
-  S sn, cn, dn;  // of the true phase
-  S re, im;
-  S weight;  // a theta function, by which |re + i im| is known without a root
+  S sn, cn, dn;  // Jacobi functions of the true phase, times `weight`
+  S re, im;      // e^(i angle) times a positive number: the part of the turn about L that is not uniform
+  S weight;      // a theta function
+};
+
+/// Cosine and sine of an angle.
+template <class S>
+struct Direction {
+  S cosine, sine;
 };
 
 template <class S>
@@ -30,9 +34,10 @@ struct ThetaSums {
   using Pair = Eigen::Array<S, 2, 1>;  // two sums at once
 
   S nome{};
-  Series square{}, oblong{};                                  // nome^(n^2), nome^(n (n + 1))
-  std::array<Pair, terms> odd_pairs, even_pairs, turn_pairs;  // factors of the terms; turn: set by the owner
-  S sn{}, cn{}, dn{};                                         // of the quotients, from the theta constants
+  Series square{}, oblong{};  // nome^(n^2), nome^(n (n + 1))
+  using Pairs = std::array<Pair, terms>;
+  // Factors of the terms, once it is set up inside those of the powers of cos 2z; turn: set by the owner.
+  Pairs odd_pairs, even_pairs, turn_pairs;
 
   void set_up(const S& p, bool is_inside) {
     nome = p;
@@ -46,69 +51,43 @@ struct ThetaSums {
       t3 += S(2) * square[n];
       t4 += (n % 2 ? S(-2) : S(2)) * square[n];
     }
-    sn = is_inside ? S(t3 / t2) : S(t3 / t4);
-    cn = is_inside ? S(t4 / t2) : S(t2 / t4);
-    dn = is_inside ? S(t4 / t3) : S(t2 / t3);
+    const S sn = is_inside ? S(t3 / t2) : S(t3 / t4), cn = is_inside ? S(t4 / t2) : S(t2 / t4);
+    const S dn = is_inside ? S(t4 / t3) : S(t2 / t3);
+    // The quotients' factors, but for the weight, go into the terms.
+    const Pair odd = is_inside ? Pair(sn, cn) : Pair(sn, S(1)),
+               even = is_inside ? Pair(dn, S(1)) : Pair(dn, cn);
     for (std::size_t n = 0; n < terms; ++n) {
-      const S flip(n % 2 ? -1 : 1);
-      odd_pairs[n] = is_inside ? Pair(flip * oblong[n], oblong[n]) : Pair(flip, S(1));
-      even_pairs[n] = is_inside ? Pair(S(2) * square[n], S(2) * flip * square[n]) : Pair(S(1), -flip);
+      const S flip(n % 2 ? -1 : 1), twice = n == 0 ? S(1) : S(2);
+      odd_pairs[n] = odd * (is_inside ? Pair(flip * oblong[n], oblong[n]) : Pair(flip, S(1)));
+      even_pairs[n] =
+          even * (is_inside ? Pair(twice * square[n], twice * flip * square[n]) : Pair(S(1), flip));
     }
   }
 
-  /// The same numbers, rounded.
-  template <class Wider>
-  void narrow(const ThetaSums<Wider>& x) {
-    static_assert(ThetaSums<Wider>::terms == terms);
-    nome = static_cast<S>(x.nome);
-    for (std::size_t i = 0; i < terms; ++i) {
-      square[i] = static_cast<S>(x.square[i]);
-      oblong[i] = static_cast<S>(x.oblong[i]);
-      odd_pairs[i] = x.odd_pairs[i].template cast<S>();
-      even_pairs[i] = x.even_pairs[i].template cast<S>();
-      turn_pairs[i] = x.turn_pairs[i].template cast<S>();
-    }
-    sn = static_cast<S>(x.sn);
-    cn = static_cast<S>(x.cn);
-    dn = static_cast<S>(x.dn);
+  /// From series in sin and cos of multiples of z to polynomials in cos 2z, when turn_pairs are there: half
+  /// the work of a point, and no term waits for the one before it.
+  void finish_inside() {
+    to_powers(odd_pairs, odd_powers);
+    to_powers(turn_pairs, odd_powers);
+    to_powers(even_pairs, even_powers);
   }
 
   /// z = pi u/(2 K)
-  PolhodePoint<S> inside(const S& z) const {
-    using std::cos;
-    using std::sin;
-    const S s = sin(z), c = cos(z), twice = S(2) * (c - s) * (c + s);  // 2 cos 2z
-    Pair now(s, c), before(-s, c);                                     // sin and cos of (2n + 1) z
-    Pair even_now(twice / S(2), twice / S(2)), even_before(S(1), S(1));
-    Pair odd_sums = now, even_sums(S(1), S(1)), turn = turn_pairs[0] * now;
-    for (std::size_t n = 1; n < terms; ++n) {
-      const Pair next = twice * now - before;
-      before = now;
-      now = next;
-      odd_sums += odd_pairs[n] * now;
-      turn += turn_pairs[n] * now;
-      even_sums += even_pairs[n] * even_now;
-      const Pair even_next = twice * even_now - even_before;
-      even_before = even_now;
-      even_now = even_next;
-    }
-    const S inverse = S(1) / even_sums[1];
-    return {sn * odd_sums[0] * inverse,
-            cn * odd_sums[1] * inverse,
-            dn * even_sums[0] * inverse,
-            turn[0],
-            turn[1],
-            even_sums[1]};
+  PolhodePoint<S> inside(const Direction<S>& z) const {
+    const S cos_2z = (z.cosine - z.sine) * (z.cosine + z.sine), square_2z = cos_2z * cos_2z;
+    const Pair direction(z.sine, z.cosine);
+    const Pair odd = direction * sum(odd_pairs, cos_2z, square_2z);
+    const Pair even = sum(even_pairs, cos_2z, square_2z);
+    const Pair turn = direction * sum(turn_pairs, cos_2z, square_2z);
+    return {odd[0], odd[1], even[0], turn[0], turn[1], even[1]};
   }
 
-  /// x = pi u/(2 K') less so many whole spans
-  PolhodePoint<S> outside(const S& x, const S& turns) const {
-    using std::abs;
-    using std::exp;
+  /// x = pi u/(2 K') less so many whole spans; e^(-|x|) and the sign of x
+  PolhodePoint<S> outside(const S& e, const S& side, const S& turns) const {
     using std::round;
     // Everything times 2 e^(-|x|): sinh and cosh of (2n + 1)|x|; cosh of 2n|x| times another e^|x|.
-    const S e = exp(-abs(x)), E = e * e, P = nome > S(0) ? S(nome / E) : S(0);  // e^(-2|x|), p' e^(2|x|)
-    Pair odd_sums(S(0), S(0)), even_sums(S(1), S(1)), turn(S(0), S(0));
+    const S E = e * e, P = nome > S(0) ? S(nome / E) : S(0);  // e^(-2|x|), p' e^(2|x|)
+    Pair odd_sums(S(0), S(0)), even_sums = even_pairs[0], turn(S(0), S(0));
     S power_E = E, power_P(1);
     for (std::size_t n = 0; n < terms; ++n) {
       const S up = square[n] * power_P, down = oblong[n] * power_E;
@@ -116,23 +95,49 @@ struct ThetaSums {
       odd_sums += odd_pairs[n] * hyperbolic;
       turn += turn_pairs[n] * hyperbolic;
       power_P *= P;
-      if (n + 1 < terms) even_sums += (oblong[n] * power_P + square[n + 1] * power_E) * even_pairs[n];
+      if (n + 1 < terms) even_sums += (oblong[n] * power_P + square[n + 1] * power_E) * even_pairs[n + 1];
       power_E *= E;
     }
-    const S inverse = S(1) / odd_sums[1], decay = S(2) * e * inverse;
-    const bool odd = turns / S(2) != round(S(turns / S(2)));
-    const S flip(odd ? -1 : 1), side(x < S(0) ? -1 : 1);
-    PolhodePoint<S> p{flip * side * sn * odd_sums[0] * inverse,
-                      flip * cn * even_sums[1] * decay,
-                      dn * even_sums[0] * decay,
-                      side * turn[0],
-                      turn[1],
-                      odd_sums[1]};
-    if (odd) {  // theta_1 and n2 + i n1 change sign together from one span to the next
-      p.re = -p.re;
-      p.im = -p.im;
+    // theta_1 and n2 + i n1 change sign together from one span to the next.
+    const S flip(turns / S(2) != round(S(turns / S(2))) ? -1 : 1), decay = S(2) * e;
+    return {flip * side * odd_sums[0],
+            flip * even_sums[1] * decay,
+            even_sums[0] * decay,
+            flip * side * turn[0],
+            flip * turn[1],
+            odd_sums[1]};
+  }
+
+ private:
+  using Powers = std::array<std::array<std::array<int, 2>, 7>, 7>;
+  /// Coefficients of cos^k 2z in sin((2n + 1) z)/sin z and cos((2n + 1) z)/cos z, or in cos 2nz twice.
+  static constexpr Powers powers(bool odd) {
+    Powers m{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      m[0][0][i] = 1;
+      m[1][0][i] = odd ? (i == 0 ? 1 : -1) : 0;
+      m[1][1][i] = odd ? 2 : 1;
+      for (std::size_t n = 2; n < 7; ++n)
+        for (std::size_t k = 0; k <= n; ++k)
+          m[n][k][i] = (k > 0 ? 2 * m[n - 1][k - 1][i] : 0) - m[n - 2][k][i];
     }
-    return p;
+    return m;
+  }
+  static constexpr Powers odd_powers = powers(true), even_powers = powers(false);
+
+  static void to_powers(Pairs& factors, const Powers& m) {
+    for (std::size_t k = 0; k < terms; ++k) {
+      Pair c = factors[k] * Pair(S(m[k][k][0]), S(m[k][k][1]));
+      for (std::size_t n = k + 1; n < terms; ++n) c += factors[n] * Pair(S(m[n][k][0]), S(m[n][k][1]));
+      factors[k] = c;
+    }
+  }
+  static Pair sum(const Pairs& c, const S& x, const S& square) {
+    constexpr std::size_t last = terms - 1;
+    Pair even = c[last - last % 2], odd = c[last - (last + 1) % 2];
+    for (std::size_t k = last - last % 2; k >= 2; k -= 2) even = even * square + c[k - 2];
+    for (std::size_t k = last - (last + 1) % 2; k >= 3; k -= 2) odd = odd * square + c[k - 2];
+    return even + x * odd;
   }
 };
 
