@@ -54,6 +54,18 @@ class TaylorSeries {
     return y;
   }
 
+  /// The state there less the state at the point of expansion.
+  State change(const S& h) const {
+    State y;
+    for (int i = 0; i < size; ++i) {
+      const S* c = tape_.series(i);
+      S sum = c[order_];
+      for (int k = order_ - 1; k >= 1; --k) sum = sum * h + c[k];
+      y[static_cast<std::size_t>(i)] = sum * h;
+    }
+    return y;
+  }
+
   /// Sets every held sign to that of its argument at (t, y): at the start of a run.
   void settle_signs(const S& t, const State& y) {
     if (signs_.empty()) return;

@@ -24,8 +24,9 @@ void integrate(AdaptiveSteps& run, const Sample& start, const Setting& setting, 
     if (!p.stuck && p.attempts < setting.step_limit && p.t + p.h >= asked->t_end) {
       const bool last = p.t + p.h >= t_end;
       if (last) p.h = t_end - p.t;
+      const double whole = t_before + p.h;  // what a stepper that goes all the way reaches
       good = run.attempt(p);
-      if (good && last) p.t = t_end;
+      if (good && last && p.t == whole) p.t = t_end;
     }
     if (p.stuck || p.attempts >= next_look || good) count();
     if (p.stuck) {
