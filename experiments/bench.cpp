@@ -49,7 +49,7 @@ int bench_verb(const Options& options) {
   std::vector<std::function<void()>> timed;
   std::vector<std::size_t> of;
   for (const std::string& id : scenes) {
-    const Scene scene = find_scene(id);
+    const Scene scene = asked_scene(options, id);
     for (const Method* m : methods) {
       const Knob knob = options.chooses_steps() && m->by_steps ? Knob::steps : m->default_knob();
       Setting setting = setting_of(options, knob);

@@ -12,6 +12,7 @@ struct Options {
   std::vector<std::string> solvers;   // ids or globs
   std::optional<std::int64_t> steps;  // fixed steps over the whole duration
   std::optional<double> h;            // s
+  std::optional<double> duration;     // s, instead of the scene's own
   std::optional<double> rtol, atol;
   std::optional<std::int64_t> samples;  // N: rows at 0, T/N, ..., T
   std::vector<double> times;            // s, exactly these rows

@@ -18,7 +18,7 @@ namespace {
 /// What was typed, as text: numbers are read by us, whole, so that 1e-3x, nan and "" are errors.
 struct Typed {
   std::vector<std::string> scenes, solvers;
-  std::string steps, h, rtol, atol, samples, times, output, jobs, timeout, digits;
+  std::string duration, steps, h, rtol, atol, samples, times, output, jobs, timeout, digits;
   bool has_output = false, quick = false, json = false, force = false, quiet = false, verbose = false;
 };
 
@@ -54,6 +54,8 @@ Options options_of(const Typed& typed, const CLI::App& verb) {
   Options o;
   o.scenes = typed.scenes;
   o.solvers = typed.solvers;
+  if (given("--duration"))
+    o.duration = real("--duration", typed.duration, 1e-12, 1e12, "seconds, from 1e-12 to 1e12");
   if (given("--steps")) o.steps = whole("--steps", typed.steps, 1, 1'000'000'000'000);
   if (given("--h")) o.h = real("--h", typed.h, tiny, huge, "a step size > 0 in seconds");
   if (given("--rtol")) o.rtol = real("--rtol", typed.rtol, 1e-30, 1, "a tolerance from 1e-30 to 1");
@@ -90,6 +92,7 @@ void add_options(CLI::App& verb, Typed& typed) {
   verb.add_option("SCENE", typed.scenes, "built-in ids or paths of TOML files");
   verb.add_option("--solver", typed.solvers, "solver id or glob, repeatable ('cvode-*')")
       ->allow_extra_args(false);
+  verb.add_option("--duration", typed.duration, "how long the motion lasts, s; default: the scene's");
   verb.add_option("--steps", typed.steps, "fixed steps over the whole duration");
   verb.add_option("--h", typed.h, "step size, s; must divide the interval between two samples");
   verb.add_option("--rtol", typed.rtol, "relative tolerance of solvers that choose their steps");

@@ -54,6 +54,12 @@ void for_each_run(const Options& options, std::size_t n, const std::function<voi
   if (failure) std::rethrow_exception(failure);
 }
 
+Scene asked_scene(const Options& options, const std::string& id) {
+  Scene scene = find_scene(id);
+  if (options.duration) scene.duration = *options.duration;
+  return scene;
+}
+
 Setting setting_of(const Options& options, Knob knob) {
   Setting s;
   s.knob = knob;

@@ -32,6 +32,9 @@ const std::vector<Question>& all_questions();
 /// order of rows does not depend on the threads. No new item is begun after an interrupt.
 void for_each_run(const Options& options, std::size_t n, const std::function<void(std::size_t)>& f);
 
+/// The scene of an id or a path, as long as the options say.
+Scene asked_scene(const Options& options, const std::string& id);
+
 /// The setting that the options ask for of a solver with this knob.
 Setting setting_of(const Options& options, Knob knob);
 

@@ -33,7 +33,7 @@ std::vector<std::string> load_names(const Scene& scene) {
 
 int show_verb(const Options& options) {
   if (options.scenes.size() != 1) throw UsageError("show needs one scene; 'polhode list scenes' shows all");
-  const Scene s = find_scene(options.scenes.front());
+  const Scene s = asked_scene(options, options.scenes.front());
   const auto truth = truth_of(s, uniform_times(s.duration, 16));
   const auto loads = load_names(s);
   if (options.json) {
@@ -107,7 +107,7 @@ int show_verb(const Options& options) {
     line("conditioning",
          std::isfinite(truth->conditioning)
              ? fmt::format("{:.3g} times a relative change of the initial rates", truth->conditioning)
-             : "not known: too stiff to follow disturbances");
+             : "not known: too long or too stiff to follow disturbances");
     line("rounding floor", s.rotation->attitude ? fmt::format("{:.1e} rad, rates {:.1e}",
                                                               truth->attitude_floor, truth->rate_floor)
                                                 : fmt::format("rates {:.1e}", truth->rate_floor));

@@ -107,7 +107,7 @@ int simulate_verb(const Options& options) {
   if (options.scenes.size() != 1)
     throw UsageError("simulate needs one scene; 'polhode list scenes' shows all");
   if (options.solvers.size() > 1) throw UsageError("simulate takes one --solver");
-  const Scene scene = find_scene(options.scenes.front());
+  const Scene scene = asked_scene(options, options.scenes.front());
   const Method& method = find_method(options.solvers.empty() ? "reference" : options.solvers.front());
   const AskedTimes asked = asked_times(scene, options);
   if (method.family == "truth") {

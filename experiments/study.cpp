@@ -118,7 +118,7 @@ Plan plan_of(const Options& options) {
       ids.assign(std::begin(study_scenes), std::end(study_scenes));
   }
   for (const std::string& id : ids) {
-    Scene scene = find_scene(id);
+    Scene scene = asked_scene(options, id);
     for (const Scene& other : plan.scenes)
       if (other.id == scene.id) throw UsageError("scene '" + scene.id + "' is asked for twice");
     plan.scenes.push_back(std::move(scene));
