@@ -13,27 +13,20 @@
 // kept by the midpoint of the two half-kicks, one explicit and one implicit. Source: Miller et al., J. Chem.
 // Phys. 116 (2002), 8649; Dullweber, Leimkuhler & McLachlan, J. Chem. Phys. 107 (1997), 5840; Fasso, J.
 // Comput. Phys. 189 (2003), 527.
-#include "solvers/iteration.hpp"
-#include "solvers/lie_group.hpp"
+#include "solvers/momentum_form.hpp"
 
 namespace polhode {
 namespace {
 
-/// Attitude and angular momentum in the body.
-struct Spinning {
-  Quaternion q;
-  Vec3 m;  // kg m^2/s
-};
-
 inline void turn(Spinning& x, const Quaternion& by) {
   x.q = x.q * by;
-  x.m = to_body<double>(by, x.m);
+  x.momentum = to_body<double>(by, x.momentum);
 }
 
 /// Turn about one axis by the rate that its component of the momentum has.
 inline void about(Spinning& x, int axis, double inverse_moment, double h) {
   Vec3 angle = Vec3::Zero();
-  angle[axis] = h * inverse_moment * x.m[axis];
+  angle[axis] = h * inverse_moment * x.momentum[axis];
   turn(x, exp_rotation<double>(angle));
 }
 
@@ -55,38 +48,27 @@ struct SymmetricTop {
     const double rest = inverse.z() - inverse.y();
     about(x, 2, rest, 0.5 * h);
     // As a whole with L/I2, and about axis 1 with (1/I1 - 1/I2) m1; the former leaves L where it is.
-    const Quaternion whole = exp_rotation<double>(h * inverse.y() * x.m);
-    const Quaternion own = exp_rotation<double>(Vec3(h * (inverse.x() - inverse.y()) * x.m.x(), 0, 0));
+    const Quaternion whole = exp_rotation<double>(h * inverse.y() * x.momentum);
+    const Quaternion own = exp_rotation<double>(Vec3(h * (inverse.x() - inverse.y()) * x.momentum.x(), 0, 0));
     x.q = x.q * whole * own;
-    x.m = to_body<double>(own, x.m);
+    x.momentum = to_body<double>(own, x.momentum);
     about(x, 2, rest, 0.5 * h);
   }
 };
 
 template <class Free>
-struct RotationSplitting : LieGroupForm {
+struct RotationSplitting : BodyMomentumForm {
   std::int64_t rhs_evals = 0;  // torques
   const char* failure = nullptr;
 
   template <WithAttitude M>
   typename M::State step(const M& m, double t, double h, const typename M::State& y) {
-    const Turning start = turning_of(m, y);
-    const Vec3& inverse = m.rotation.inverse_moments();
-    Spinning x{start.q, m.rotation.momentum_B(start.w)};
-    if constexpr (M::Rotating::has_load)
-      x.m += 0.5 * h * m.rotation.load.template torque_B<double>(t, x.q, inverse.cwiseProduct(x.m));
-    Free::flow(x, inverse, h);
-    if constexpr (M::Rotating::has_load) {
-      // The adjoint of the first kick: m such that m - h/2 tau(m) is what came in. Drag makes it implicit.
-      const Vec3 before = x.m;
-      ++rhs_evals;
-      if (!iterate_to_rounding(x.m, rhs_evals, [&](const Vec3& end) -> Vec3 {
-            return before +
-                   0.5 * h * m.rotation.load.template torque_B<double>(t + h, x.q, inverse.cwiseProduct(end));
-          }))
-        failure = "the fixed-point iteration for the kick at the end of the step does not converge";
-    }
-    return moved<4>(m, h, y, {x.q, inverse.cwiseProduct(x.m)});
+    Spinning x = spinning_of(m, y);
+    x.momentum = kicked(m, t, h, x.q, x.momentum);
+    Free::flow(x, m.rotation.inverse_moments(), h);
+    if constexpr (M::Rotating::has_load) ++rhs_evals;
+    if (!kick_back(m, t + h, h, x.q, x.momentum, rhs_evals)) failure = kick_failure;
+    return next<4>(m, h, y, x);
   }
 };
 
