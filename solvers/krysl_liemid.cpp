@@ -31,15 +31,15 @@ bool find_middle(Vec3& w, double h, const Vec3& inverse, const Vec3& m0, std::in
 }
 constexpr const char* turn_failure = "the fixed-point iteration for the middle of the step does not converge";
 
-struct ImplicitMiddle : SpaceMomentumForm {
+struct ImplicitMiddle : MomentumForm {
   std::int64_t rhs_evals = 0;
   const char* failure = nullptr;
 
   template <WithAttitude M>
   typename M::State step(const M& m, double t, double h, const typename M::State& y) {
-    Spinning x = spinning_of(m, y);
+    Carried x = carried_of(m, y);
     const Vec3& inverse = m.rotation.inverse_moments();
-    const Vec3 m0 = to_body<double>(x.q, x.momentum);
+    const Vec3 m0 = x.body_momentum();
     Vec3 w = inverse.cwiseProduct(m0), torque = Vec3::Zero();
     const bool found =
         find_middle(w, h, inverse, m0, rhs_evals, [&](const Quaternion& half, const Vec3& guess) -> Vec3 {
@@ -49,38 +49,29 @@ struct ImplicitMiddle : SpaceMomentumForm {
         });
     if (!found) failure = turn_failure;
     if constexpr (M::Rotating::has_load)
-      x.momentum += h * to_space<double>(x.q * exp_rotation<double>(0.5 * h * w), torque);
+      x.L += h * to_space<double>(x.q * exp_rotation<double>(0.5 * h * w), torque);
     x.q = x.q * exp_rotation<double>(h * w);
     return next<4>(m, h, y, x);
   }
 };
 
-struct ExplicitTorque : SpaceMomentumForm {
+struct ExplicitTorque : MomentumForm {
   std::int64_t rhs_evals = 0;  // torques, and iterates of the turns
   const char* failure = nullptr;
 
   template <WithAttitude M>
   typename M::State step(const M& m, double t, double h, const typename M::State& y) {
-    Spinning x = spinning_of(m, y);
+    Carried x = carried_of(m, y);
     const Vec3& inverse = m.rotation.inverse_moments();
-    if constexpr (M::Rotating::has_load) {
-      const Vec3 m0 = to_body<double>(x.q, x.momentum);
-      x.momentum += to_space<double>(x.q, kicked(m, t, h, x.q, m0) - m0);
-      ++rhs_evals;
-    }
+    kick(m, t, h, x, rhs_evals);
     Vec3 w = rates_of(m, x);
     for (int part = 0; part < 2; ++part) {
-      if (!find_middle(w, 0.5 * h, inverse, to_body<double>(x.q, x.momentum), rhs_evals,
+      if (!find_middle(w, 0.5 * h, inverse, x.body_momentum(), rhs_evals,
                        [](const Quaternion&, const Vec3&) -> Vec3 { return Vec3::Zero(); }))
         failure = turn_failure;
       x.q = x.q * exp_rotation<double>(0.5 * h * w);
     }
-    if constexpr (M::Rotating::has_load) {
-      const Vec3 before = to_body<double>(x.q, x.momentum);
-      Vec3 after = before;
-      if (!kick_back(m, t + h, h, x.q, after, rhs_evals)) failure = kick_failure;
-      x.momentum += to_space<double>(x.q, after - before);
-    }
+    if (!kick_back(m, t + h, h, x, rhs_evals)) failure = kick_failure;
     return next<4>(m, h, y, x);
   }
 };

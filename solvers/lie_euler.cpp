@@ -20,14 +20,14 @@ struct LieEuler : LieGroupForm {
   }
 };
 
-struct LieEulerMomentum : SpaceMomentumForm {
+struct LieEulerMomentum : MomentumForm {
   static constexpr int rhs_per_step = 1;
 
   template <WithAttitude M>
   typename M::State step(const M& m, double t, double h, const typename M::State& y) const {
-    const Spinning x = spinning_of(m, y);
+    const Carried x = carried_of(m, y);
     const Vec3 w = rates_of(m, x);
-    Vec3 L = x.momentum;
+    Vec3 L = x.L;
     if constexpr (M::Rotating::has_load)
       L += h * to_space<double>(x.q, m.rotation.load.template torque_B<double>(t, x.q, w));
     return next<1>(m, h, y, {x.q * exp_rotation<double>(h * w), L});

@@ -38,14 +38,14 @@ struct LieMidpoint : LieGroupForm {
   }
 };
 
-struct AkwMidpoint : SpaceMomentumForm {
+struct AkwMidpoint : MomentumForm {
   std::int64_t rhs_evals = 0;
   const char* failure = nullptr;
 
   template <WithAttitude M>
   typename M::State step(const M& m, double t, double h, const typename M::State& y) {
-    Spinning x = spinning_of(m, y);
-    const Vec3 start = rates_of(m, x), momentum = to_body<double>(x.q, x.momentum);
+    Carried x = carried_of(m, y);
+    const Vec3 start = rates_of(m, x), momentum = x.body_momentum();
     Vec3 w = start, impulse = Vec3::Zero();  // in the body axes at the start
     if (!iterate_to_rounding(w, rhs_evals, [&](const Vec3& end) -> Vec3 {
           const Vec3 middle = 0.5 * (start + end);
@@ -58,7 +58,7 @@ struct AkwMidpoint : SpaceMomentumForm {
               to_body<double>(cayley(h * middle), momentum + impulse));
         }))
       failure = not_found;
-    if constexpr (M::Rotating::has_load) x.momentum += to_space<double>(x.q, impulse);
+    if constexpr (M::Rotating::has_load) x.L += to_space<double>(x.q, impulse);
     x.q = x.q * cayley(0.5 * h * (start + w));
     return next<4>(m, h, y, x);
   }

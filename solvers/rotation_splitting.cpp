@@ -7,26 +7,32 @@
 // A_i turns by the angle w_i t about axis i, exactly what the energy m_i^2/(2 I_i) alone does; T is the free
 // motion of the symmetric top with moments (I1, I2', I2'), and A3' the rest, m3^2 (1/I3 - 1/I2)/2: three
 // factors instead of five, and a smaller error, because the rest is small for most bodies. Each factor is a
-// rotation that carries L along: the momentum of a free body is kept in space, magnitude and direction, to
-// rounding; its energy oscillates, bounded. |q| = 1 to rounding; reversible. A torque that depends on the
-// rates (drag) is taken at the rates of the kick, which makes a kick of order 1 in it: second order in all is
-// kept by the midpoint of the two half-kicks, one explicit and one implicit. Source: Miller et al., J. Chem.
-// Phys. 116 (2002), 8649; Dullweber, Leimkuhler & McLachlan, J. Chem. Phys. 107 (1997), 5840; Fasso, J.
+// rotation that carries L along, and L in space is the state: a free body keeps it, magnitude and direction,
+// to the last bit; its energy oscillates, bounded. |q| = 1 to rounding; reversible. A torque that depends on
+// the rates (drag) is taken at the rates of the kick, which makes a kick of order 1 in it: second order in
+// all is kept by the midpoint of the two half-kicks, one explicit and one implicit. Source: Miller et al., J.
+// Chem. Phys. 116 (2002), 8649; Dullweber, Leimkuhler & McLachlan, J. Chem. Phys. 107 (1997), 5840; Fasso, J.
 // Comput. Phys. 189 (2003), 527.
 #include "solvers/momentum_form.hpp"
 
 namespace polhode {
 namespace {
 
+/// Attitude and angular momentum in the body.
+struct Spinning {
+  Quaternion q;
+  Vec3 m;  // kg m^2/s
+};
+
 inline void turn(Spinning& x, const Quaternion& by) {
   x.q = x.q * by;
-  x.momentum = to_body<double>(by, x.momentum);
+  x.m = to_body<double>(by, x.m);
 }
 
 /// Turn about one axis by the rate that its component of the momentum has.
 inline void about(Spinning& x, int axis, double inverse_moment, double h) {
   Vec3 angle = Vec3::Zero();
-  angle[axis] = h * inverse_moment * x.momentum[axis];
+  angle[axis] = h * inverse_moment * x.m[axis];
   turn(x, exp_rotation<double>(angle));
 }
 
@@ -48,26 +54,27 @@ struct SymmetricTop {
     const double rest = inverse.z() - inverse.y();
     about(x, 2, rest, 0.5 * h);
     // As a whole with L/I2, and about axis 1 with (1/I1 - 1/I2) m1; the former leaves L where it is.
-    const Quaternion whole = exp_rotation<double>(h * inverse.y() * x.momentum);
-    const Quaternion own = exp_rotation<double>(Vec3(h * (inverse.x() - inverse.y()) * x.momentum.x(), 0, 0));
+    const Quaternion whole = exp_rotation<double>(h * inverse.y() * x.m);
+    const Quaternion own = exp_rotation<double>(Vec3(h * (inverse.x() - inverse.y()) * x.m.x(), 0, 0));
     x.q = x.q * whole * own;
-    x.momentum = to_body<double>(own, x.momentum);
+    x.m = to_body<double>(own, x.m);
     about(x, 2, rest, 0.5 * h);
   }
 };
 
 template <class Free>
-struct RotationSplitting : BodyMomentumForm {
+struct RotationSplitting : MomentumForm {
   std::int64_t rhs_evals = 0;  // torques
   const char* failure = nullptr;
 
   template <WithAttitude M>
   typename M::State step(const M& m, double t, double h, const typename M::State& y) {
-    Spinning x = spinning_of(m, y);
-    x.momentum = kicked(m, t, h, x.q, x.momentum);
-    Free::flow(x, m.rotation.inverse_moments(), h);
-    if constexpr (M::Rotating::has_load) ++rhs_evals;
-    if (!kick_back(m, t + h, h, x.q, x.momentum, rhs_evals)) failure = kick_failure;
+    Carried x = carried_of(m, y);
+    kick(m, t, h, x, rhs_evals);
+    Spinning turning{x.q, x.body_momentum()};
+    Free::flow(turning, m.rotation.inverse_moments(), h);
+    x.q = turning.q;
+    if (!kick_back(m, t + h, h, x, rhs_evals)) failure = kick_failure;
     return next<4>(m, h, y, x);
   }
 };
