@@ -25,8 +25,9 @@ struct MatrixForm {
     return y;
   }
 
-  /// R' = [w]x R,  w' = I^-1(tau - w x I w) with I = R I_B R^T and the true inverse of that matrix.
-  template <WithAttitude M>
+  /// R' = [w]x R,  w' = I^-1(tau - w x I w) with I = R I_B R^T and the true inverse of that matrix, or with
+  /// R I_B^-1 R^T for it, which is its inverse as long as R is a rotation.
+  template <bool turned_inverse = false, WithAttitude M>
   static void rhs(const M& m, double t, const double* y, double* d) {
     const Mat3 R = matrix_of(y);
     const Vec3 w = w_of(y);
@@ -34,7 +35,10 @@ struct MatrixForm {
     const Mat3 I = inertia_S(R, m.rotation.moments());
     Vec3 tau = Vec3::Zero();
     if constexpr (M::Rotating::has_load) tau = m.rotation.load.torque_S(t, R, w);
-    if (m.rotation.has_gyroscopic_term())
+    if constexpr (turned_inverse) {
+      const Vec3 torque = R.transpose() * (tau - w.cross(I * w));
+      Eigen::Map<Vec3>(d + 9) = R * m.rotation.inverse_moments().cwiseProduct(torque);
+    } else if (m.rotation.has_gyroscopic_term())
       Eigen::Map<Vec3>(d + 9) = angular_acceleration_S(I, w, tau);
     else if constexpr (M::Rotating::has_load)
       Eigen::Map<Vec3>(d + 9) = I.inverse() * tau;
