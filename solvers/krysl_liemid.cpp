@@ -8,8 +8,8 @@
 // with m = R^T L the momentum in the body. The impulse of the torque, which the midpoint rule would deliver
 // in the middle, is delivered at the start of the first half of the step and at the end of the second:
 // explicit in the torque, one torque a step. Turns remain implicit: a vector equation for w_m, solved by
-// fixed-point iteration to rounding; where that does not contract (h |w| beyond about one) the run ends with
-// solver_failed. A torque that depends on the rates makes the last kick implicit as well.
+// fixed-point iteration to rounding; where that does not contract (h |w| beyond one to four, by the body) the
+// run ends with solver_failed. A torque that depends on the rates makes the last kick implicit as well.
 //
 // Order 2, symmetric and so reversible. The momentum of a free body is kept in space, because nothing but a
 // torque changes it; the energy oscillates, bounded. |q| = 1 to rounding. Not to be confused with
