@@ -1,9 +1,8 @@
 // Midpoint rules on the rotation group whose middle rates come from the momentum carried to the middle.
 //
-//   krysl-liemid-implicit   (LIEMID[I])    I w_m = exp(-h w_m/2) m_0 + h/2 tau_B(q_m),  q_m = q_0 exp(h
-//   w_m/2)
-//                                          q_1 = q_0 exp(h w_m),  L_1 = L_0 + h tau_S(q_m)
-//   krysl-liemid            (LIEMID[EA])   kick(h/2) M(h/2) M(h/2) kick(h/2), M the first for the free body
+//   krysl-liemid-implicit   LIEMID[I]:  I w_m = exp(-h w_m/2) m_0 + h/2 tau_B(q_m),  q_m = q_0 exp(h w_m/2)
+//                           q_1 = q_0 exp(h w_m),  L_1 = L_0 + h tau_S(q_m)
+//   krysl-liemid            LIEMID[EA]:  kick(h/2) M(h/2) M(h/2) kick(h/2), M the first for the free body
 //
 // with m = R^T L the momentum in the body. The impulse of the torque, which the midpoint rule would deliver
 // in the middle, is delivered at the start of the first half of the step and at the end of the second:
