@@ -11,16 +11,20 @@
 namespace polhode {
 namespace {
 
-template <bool orthonormalised, bool turned_inverse = false>
+struct Variant {
+  bool orthonormalised, turned_inverse;
+};
+
 struct EulerMatrix : MatrixForm {
   static constexpr int rhs_per_step = 1;
+  Variant choice{};
 
   template <WithAttitude M>
   State<M> step(const M& m, double t, double h, const State<M>& y) const {
     State<M> d, next;
-    rhs<turned_inverse>(m, t, y.data(), d.data());
+    rhs(m, t, y.data(), d.data(), choice.turned_inverse);
     for (std::size_t i = 0; i < y.size(); ++i) next[i] = y[i] + h * d[i];
-    if constexpr (orthonormalised) orthonormalise(next);
+    if (choice.orthonormalised) orthonormalise(next);
     return next;
   }
 };
@@ -41,6 +45,11 @@ constexpr Claims orthonormalised_claims = [] {
 }();
 constexpr double amplification[] = {1, 1};
 
+template <bool orthonormalised, bool turned_inverse>
+Prepared prepare(const Scene& scene, const Setting& setting) {
+  return run_fixed_step<EulerMatrix>(scene, setting, {orthonormalised, turned_inverse});
+}
+
 constinit const Method rows[] = {
     {.id = "euler-matrix",
      .family = "lecture notes",
@@ -49,7 +58,7 @@ constinit const Method rows[] = {
      .by_steps = true,
      .claims = claims,
      .stability_polynomial = amplification,
-     .prepare = run_fixed_step<EulerMatrix<false>>},
+     .prepare = prepare<false, false>},
     {.id = "euler-matrix-turned-inverse",
      .family = "lecture notes",
      .summary = "the same with R I_B^-1 R^T for the inverse of R I_B R^T",
@@ -58,7 +67,7 @@ constinit const Method rows[] = {
      .in_studies = false,  // as euler-matrix while R is near a rotation, and no use afterwards
      .claims = claims,
      .stability_polynomial = amplification,
-     .prepare = run_fixed_step<EulerMatrix<false, true>>},
+     .prepare = prepare<false, true>},
     {.id = "euler-matrix-orthonormalised",
      .family = "lecture notes",
      .summary = "the same, R brought back to SO(3) after each step (Gram-Schmidt on its columns)",
@@ -66,7 +75,7 @@ constinit const Method rows[] = {
      .by_steps = true,
      .claims = orthonormalised_claims,
      .stability_polynomial = amplification,
-     .prepare = run_fixed_step<EulerMatrix<true>>},
+     .prepare = prepare<true, false>},
 };
 
 }  // namespace

@@ -49,6 +49,29 @@ bool solve_constraint(Mat3& Q, const Vec3& moments, const Vec3& m, double h, std
   return false;
 }
 
+/// Torque in space of a model whose type is no longer seen, at matrix R and momentum L: a step is compiled
+/// once for all.
+using Torque = Vec3 (*)(const void* model, double t, const Mat3& R, const Vec3& L);
+
+/// One step of (Q, L); torque may be null. Adds torques and iterates to `calls`; returns why it failed, or
+/// null.
+const char* rattle_step(Mat3& Q, Vec3& L, const Vec3& moments, double t, double h, const void* model,
+                        Torque torque, std::int64_t& calls) {
+  if (torque != nullptr) L += 0.5 * h * torque(model, t, Q, L);
+  if (!solve_constraint(Q, moments, Q.transpose() * L, h, calls))
+    return "the constraint Q^T Q = 1 has no solution that Newton's method finds";
+  if (torque != nullptr) {
+    // The adjoint of the first kick: a torque that depends on the rates makes it implicit.
+    const Vec3 before = L;
+    ++calls;
+    if (!iterate_to_rounding(L, calls, [&](const Vec3& end) -> Vec3 {
+          return before + 0.5 * h * torque(model, t + h, Q, end);
+        }))
+      return kick_failure;
+  }
+  return nullptr;
+}
+
 struct Rattle : MatrixForm {
   std::int64_t rhs_evals = 0;  // torques, and iterates of the constraint
   const char* failure = nullptr;
@@ -57,15 +80,13 @@ struct Rattle : MatrixForm {
   template <WithAttitude M>
   static State<M> start(const M& m) {
     State<M> y = MatrixForm::start(m);
-    const Vec3 w_B = m.rotation.w_of(m.initial.data());
-    Eigen::Map<Vec3>(y.data() + 9) = matrix_of(y.data()) * m.rotation.momentum_B(w_B);
+    put(y, matrix_of(y.data()) * m.rotation.momentum_B(m.rotation.w_of(m.initial.data())));
     return y;
   }
   template <WithAttitude M>
   static Sample sample(const M& m, double t, State<M> y) {
-    const Mat3 R = matrix_of(y.data());
     const Vec3 L = w_of(y.data());
-    Eigen::Map<Vec3>(y.data() + 9) = R * m.rotation.inverse_moments().cwiseProduct(R.transpose() * L);
+    put(y, rates_S(matrix_of(y.data()), m.rotation.inverse_moments(), L));
     Sample s = MatrixForm::sample(m, t, y);
     s.L = L;
     return s;
@@ -73,31 +94,29 @@ struct Rattle : MatrixForm {
 
   template <WithAttitude M>
   State<M> step(const M& m, double t, double h, const State<M>& y) {
+    Torque torque = nullptr;
+    if constexpr (M::Rotating::has_load)
+      torque = [](const void* model, double time, const Mat3& R, const Vec3& L) -> Vec3 {
+        const auto& rotation = static_cast<const M*>(model)->rotation;
+        return rotation.load.torque_S(time, R, rates_S(R, rotation.inverse_moments(), L));
+      };
     Mat3 Q = matrix_of(y.data());
     Vec3 L = w_of(y.data());
-    if constexpr (M::Rotating::has_load) L += 0.5 * h * torque_S(m, t, Q, L);
-    if (!solve_constraint(Q, m.rotation.moments(), Q.transpose() * L, h, rhs_evals))
-      failure = "the constraint Q^T Q = 1 has no solution that Newton's method finds";
-    if constexpr (M::Rotating::has_load) {
-      // The adjoint of the first kick: a torque that depends on the rates makes it implicit.
-      const Vec3 before = L;
-      ++rhs_evals;
-      if (!iterate_to_rounding(L, rhs_evals, [&](const Vec3& end) -> Vec3 {
-            return before + 0.5 * h * torque_S(m, t + h, Q, end);
-          }))
-        failure = kick_failure;
-    }
+    failure = rattle_step(Q, L, m.rotation.moments(), t, h, &m, torque, rhs_evals);
     State<M> next;
     Eigen::Map<Mat3>(next.data()) = Q;
-    Eigen::Map<Vec3>(next.data() + 9) = L;
+    put(next, L);
     move_translation<4>(m, h, y.data() + 12, next.data() + 12);
     return next;
   }
 
  private:
-  template <WithAttitude M>
-  [[gnu::noinline]] static Vec3 torque_S(const M& m, double t, const Mat3& R, const Vec3& L) {
-    return m.rotation.load.torque_S(t, R, R * m.rotation.inverse_moments().cwiseProduct(R.transpose() * L));
+  [[gnu::noinline]] static Vec3 rates_S(const Mat3& R, const Vec3& inverse_moments, const Vec3& L) {
+    return R * inverse_moments.cwiseProduct(R.transpose() * L);
+  }
+  template <class State>
+  static void put(State& y, const Vec3& v) {
+    for (int i = 0; i < 3; ++i) y[static_cast<std::size_t>(9 + i)] = v[i];
   }
 };
 
