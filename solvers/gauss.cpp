@@ -102,7 +102,8 @@ struct Gauss : QuaternionForm {
     k.fill(f[0]);
     const typename M::State slope = f[0];
     ++rhs_evals;
-    Settling settling(rounding);
+    // To a tenth of an ulp: what an iteration leaves has the same sign step after step, and would add up.
+    Settling settling(rounding, 0.1 * rounding);
     bool done = false;
     for (int i = 0; i < 60 && !done && !settling.slower_than(0.7); ++i) {
       slopes_at(m, t, h, y, k[0].data(), f[0].data());

@@ -9,12 +9,14 @@ namespace polhode {
 class Settling {
  public:
   /// rounding: the change that means nothing, an ulp of what is iterated
-  explicit Settling(double rounding) : rounding_(rounding) {}
+  /// finest: the change at which to stop, if that is less
+  explicit Settling(double rounding) : Settling(rounding, rounding) {}
+  Settling(double rounding, double finest) : rounding_(rounding), finest_(finest) {}
 
-  /// True when the last change is below rounding, or a few ulp and no longer shrinking.
+  /// True when the last change is at most the finest, or a few ulp and no longer shrinking.
   bool at_rest(double change) {
     ++changes_;
-    const bool rest = change <= rounding_ || (changes_ > 4 && change < 8 * rounding_ && change >= last_);
+    const bool rest = change <= finest_ || (changes_ > 4 && change < 8 * rounding_ && change >= last_);
     contraction_ = change / last_;
     last_ = change;
     return rest;
@@ -23,7 +25,7 @@ class Settling {
   bool slower_than(double factor) const { return changes_ > 3 && !(contraction_ < factor); }
 
  private:
-  double rounding_, last_ = std::numeric_limits<double>::infinity(), contraction_ = 0;
+  double rounding_, finest_, last_ = std::numeric_limits<double>::infinity(), contraction_ = 0;
   int changes_ = 0;
 };
 

@@ -1,7 +1,9 @@
 // What the Lie-group methods share: the attitude moves by exponentials, rates and translation by sums.
 //
 // The state is the model's own, [q][w_B][p v]. A stage is a pair (rotation vector, change of w_B), both in
-// body components; composition is from the right, q exp(u).
+// body components; composition is from the right, q exp(u). A step ends with q <- q (3 - |q|^2)/2, which
+// takes back the rounding of its turns: a body that turns by the same angle over and over makes the same
+// rounding error of |q| each time, and would leave one in proportion to the number of steps.
 #pragma once
 #include "solvers/fixed_step.hpp"
 #include "solvers/runge_kutta_4.hpp"
@@ -29,20 +31,13 @@ template <WithAttitude M>
   return m.rotation.template angular_acceleration<double>(t, x.q, x.w);
 }
 
-/// The state with a new rotation; the translation, which no load of a rotation touches, takes a step of its
-/// own: explicit Euler (order 1) or the classical Runge-Kutta method.
-template <int order, WithAttitude M>
-[[gnu::always_inline]] inline typename M::State moved(const M& m, double h, const typename M::State& y,
-                                                      const Turning& x) {
-  typename M::State next;
-  next[0] = x.q.w();
-  next[1] = x.q.x();
-  next[2] = x.q.y();
-  next[3] = x.q.z();
-  for (int i = 0; i < 3; ++i) next[static_cast<std::size_t>(4 + i)] = x.w[i];
+/// The step of a translation [p v], which no load of a rotation touches: explicit Euler (order 1) or the
+/// classical Runge-Kutta method.
+template <int order, AnyModel M>
+[[gnu::always_inline]] inline void move_translation(const M& m, double h, const double* from, double* to) {
   if constexpr (M::has_translation) {
     std::array<double, 6> part;
-    std::copy(y.begin() + M::rotation_size, y.end(), part.begin());
+    std::copy(from, from + 6, part.begin());
     const auto rhs = [&m](double s, const double* v, double* d) { m.translation.rhs(s, v, d); };
     if constexpr (order == 1) {
       std::array<double, 6> d;
@@ -51,8 +46,28 @@ template <int order, WithAttitude M>
     } else {
       part = runge_kutta_4(rhs, 0.0, h, part);
     }
-    std::copy(part.begin(), part.end(), next.begin() + M::rotation_size);
+    std::copy(part.begin(), part.end(), to);
   }
+}
+
+/// q <- q (3 - |q|^2)/2: of unit length to rounding, for a q that has left it by rounding only.
+inline Quaternion held_to_unit(const Quaternion& q) {
+  const double scale = 1.5 - 0.5 * squared_norm(q);
+  return {scale * q.w(), scale * q.x(), scale * q.y(), scale * q.z()};
+}
+
+/// The state with a new rotation, and the translation's own step.
+template <int order, WithAttitude M>
+[[gnu::always_inline]] inline typename M::State moved(const M& m, double h, const typename M::State& y,
+                                                      const Turning& x) {
+  typename M::State next;
+  const Quaternion q = held_to_unit(x.q);
+  next[0] = q.w();
+  next[1] = q.x();
+  next[2] = q.y();
+  next[3] = q.z();
+  for (int i = 0; i < 3; ++i) next[static_cast<std::size_t>(4 + i)] = x.w[i];
+  move_translation<order>(m, h, y.data() + M::rotation_size, next.data() + M::rotation_size);
   return next;
 }
 

@@ -7,14 +7,13 @@
 // A_i turns by the angle w_i t about axis i, exactly what the energy m_i^2/(2 I_i) alone does; T is the free
 // motion of the symmetric top with moments (I1, I2', I2'), and A3' the rest, m3^2 (1/I3 - 1/I2)/2: three
 // factors instead of five, and a smaller error, because the rest is small for most bodies. Each factor is a
-// rotation that carries L along: the momentum of a free body is kept in space, magnitude and direction, to
-// rounding; its energy oscillates, bounded. |q| = 1 to rounding; reversible. A torque that depends on the
-// rates (drag) is taken at the rates of the kick, which makes a kick of order 1 in it: second order in all is
-// kept by the midpoint of the two half-kicks, one explicit and one implicit. Source: Miller et al., J. Chem.
-// Phys. 116 (2002), 8649; Dullweber, Leimkuhler & McLachlan, J. Chem. Phys. 107 (1997), 5840; Fasso, J.
+// rotation that carries L along, and L in space is the state: a free body keeps it, magnitude and direction,
+// to the last bit; its energy oscillates, bounded. |q| = 1 to rounding; reversible. A torque that depends on
+// the rates (drag) is taken at the rates of the kick, which makes a kick of order 1 in it: second order in
+// all is kept by the midpoint of the two half-kicks, one explicit and one implicit. Source: Miller et al., J.
+// Chem. Phys. 116 (2002), 8649; Dullweber, Leimkuhler & McLachlan, J. Chem. Phys. 107 (1997), 5840; Fasso, J.
 // Comput. Phys. 189 (2003), 527.
-#include "solvers/iteration.hpp"
-#include "solvers/lie_group.hpp"
+#include "solvers/momentum_form.hpp"
 
 namespace polhode {
 namespace {
@@ -64,29 +63,19 @@ struct SymmetricTop {
 };
 
 template <class Free>
-struct RotationSplitting : LieGroupForm {
+struct RotationSplitting : MomentumForm {
   std::int64_t rhs_evals = 0;  // torques
   const char* failure = nullptr;
 
   template <WithAttitude M>
   typename M::State step(const M& m, double t, double h, const typename M::State& y) {
-    const Turning start = turning_of(m, y);
-    const Vec3& inverse = m.rotation.inverse_moments();
-    Spinning x{start.q, m.rotation.momentum_B(start.w)};
-    if constexpr (M::Rotating::has_load)
-      x.m += 0.5 * h * m.rotation.load.template torque_B<double>(t, x.q, inverse.cwiseProduct(x.m));
-    Free::flow(x, inverse, h);
-    if constexpr (M::Rotating::has_load) {
-      // The adjoint of the first kick: m such that m - h/2 tau(m) is what came in. Drag makes it implicit.
-      const Vec3 before = x.m;
-      ++rhs_evals;
-      if (!iterate_to_rounding(x.m, rhs_evals, [&](const Vec3& end) -> Vec3 {
-            return before +
-                   0.5 * h * m.rotation.load.template torque_B<double>(t + h, x.q, inverse.cwiseProduct(end));
-          }))
-        failure = "the fixed-point iteration for the kick at the end of the step does not converge";
-    }
-    return moved<4>(m, h, y, {x.q, inverse.cwiseProduct(x.m)});
+    Carried x = carried_of(m, y);
+    kick(m, t, h, x, rhs_evals);
+    Spinning turning{x.q, x.body_momentum()};
+    Free::flow(turning, m.rotation.inverse_moments(), h);
+    x.q = turning.q;
+    if (!kick_back(m, t + h, h, x, rhs_evals)) failure = kick_failure;
+    return next<4>(m, h, y, x);
   }
 };
 

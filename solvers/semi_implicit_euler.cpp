@@ -4,7 +4,7 @@
 // Order 1. |q| stays at one to rounding, because the exponential is a unit quaternion. The name promises more
 // than it holds for rotations: (q, w_B) are not canonical, so neither momentum nor energy is kept. Source:
 // Iserles, Munthe-Kaas, Norsett & Zanna, Lie-group methods, Acta Numerica 9 (2000).
-#include "solvers/fixed_step.hpp"
+#include "solvers/lie_group.hpp"
 
 namespace polhode {
 namespace {
@@ -22,7 +22,7 @@ struct SemiImplicitEuler : QuaternionForm {
       const Vec3 w0 = R::w_of(y.data());
       const Vec3 w = w0 + h * m.rotation.template angular_acceleration<double>(t, q, w0);
       if constexpr (M::has_attitude) {
-        const Quaternion turned = q * exp_rotation<double>(h * w);
+        const Quaternion turned = held_to_unit(q * exp_rotation<double>(h * w));
         next[0] = turned.w();
         next[1] = turned.x();
         next[2] = turned.y();

@@ -1,6 +1,7 @@
 // One-step methods against exact results of 1, 2 and 10 of their steps: a wrong sign, a stage at the wrong
 // time or a frame mixed up shows in the first digits, where an order of convergence would still come out
 // right.
+#include <algorithm>
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -74,8 +75,11 @@ TEST_P(Fingerprint, OneTwoAndTenSteps) {
 INSTANTIATE_TEST_SUITE_P(
     All, Fingerprint,
     testing::Values(Pair{"euler-matrix", "explicit_euler_seed_a"},
+                    Pair{"euler-matrix-turned-inverse", "explicit_euler_seed_b"},
                     Pair{"euler-matrix-orthonormalised", "explicit_euler_seed_c_gram_schmidt"},
-                    Pair{"rk4", "rk4_q_wbody_raw"}, Pair{"rk4-renormalised", "rk4_q_wbody_normalised"},
+                    Pair{"euler-space-renormalised", "explicit_euler_quat_world"},
+                    Pair{"rk4-space-renormalised", "rk4_q_wworld_normalised"}, Pair{"rk4", "rk4_q_wbody_raw"},
+                    Pair{"rk4-renormalised", "rk4_q_wbody_normalised"},
                     Pair{"rk4-matrix", "rk4_R_wworld_raw"},
                     Pair{"semi-implicit-euler", "lie_euler_semi_implicit"},
                     Pair{"lie-euler", "lie_euler_explicit"}, Pair{"lie-euler-momentum", "lie_euler_momentum"},
@@ -83,8 +87,14 @@ INSTANTIATE_TEST_SUITE_P(
                     Pair{"lie-midpoint", "lie_midpoint_exp"}, Pair{"akw-midpoint", "akw_midpoint_cay"},
                     Pair{"no-squish", "strang_32123"}, Pair{"splitting-12321", "strang_12321"},
                     Pair{"splitting-13231", "strang_13231"}, Pair{"splitting-21312", "strang_21312"},
-                    Pair{"splitting-23132", "strang_23132"}, Pair{"splitting-31213", "strang_31213"}),
-    [](const testing::TestParamInfo<Pair>& row) { return std::string(row.param.theirs); });
+                    Pair{"splitting-23132", "strang_23132"}, Pair{"splitting-31213", "strang_31213"},
+                    // RATTLE takes the steps of the discrete Moser-Veselov equation.
+                    Pair{"rattle", "dmv2"}),
+    [](const testing::TestParamInfo<Pair>& row) {
+      std::string name(row.param.ours);
+      std::replace(name.begin(), name.end(), '-', '_');
+      return name;
+    });
 
 }  // namespace
 }  // namespace polhode
