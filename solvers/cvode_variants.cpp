@@ -99,7 +99,7 @@ class MatrixModel final : public ErasedModel {
   bool has_attitude() const override { return false; }  // no q at the head of its state
   std::span<const double> initial() const override { return initial_; }
   void rhs(double t, const double* y, double* d) const override { MatrixForm::rhs(model_, t, y, d); }
-  void jacobian(double, const double*, double*) const override { assert(!"Adams asks for no Jacobian"); }
+  void jacobian(double, const double*, double*) const override { assert(false); }  // Adams asks for none
   Sample sample(double t, const double* y) const override {
     State state;
     std::copy_n(y, state.size(), state.begin());

@@ -8,62 +8,16 @@
 
 #include <gtest/gtest.h>
 
-#include "models/attitude.hpp"
-#include "solvers/registry.hpp"
+#include "tests/free_body_runs.hpp"
 
 namespace polhode {
 namespace {
 
-/// Free body of Hairer & Vilmart: principal moments (.6, .8, 1), momentum (1.8, .4, -.9) in the body frame at
-/// the start.
-Scene free_body() {
-  Scene scene;
-  scene.duration = 10;
-  RotationData rotation;
-  rotation.moments = Vec3(0.6, 0.8, 1);
-  rotation.w0 = Vec3(1.8 / 0.6, 0.4 / 0.8, -0.9);
-  scene.rotation = rotation;
-  return scene;
-}
-
-/// Distance of a sample from the state of that body at t = 10 that is known to 18 digits (40-digit Taylor
-/// series; momentum in the body frame).
-double error_at_10(const Sample& s) {
-  const Quaternion q(-0.73606136416079394, -0.57078695124035073, -0.29938857183079009, -0.20683908610467319);
-  const Vec3 m(1.76596250851820754, -0.69546419703308912, 0.77955498148187109);
-  return std::max(attitude_error(q, s.q), (Vec3(0.6, 0.8, 1).cwiseProduct(s.w_B) - m).norm() / m.norm());
-}
-
 Scene with_drag(double coefficient) {
-  Scene scene = free_body();
+  Scene scene = hairer_vilmart();
   scene.rotation->loads.push_back(
       AngularDrag<double>{Vec3(coefficient, coefficient, coefficient).asDiagonal()});
   return scene;
-}
-
-Grid equal_grid(double duration, int samples, std::int64_t steps_between = 1) {
-  Grid grid;
-  for (int i = 1; i <= samples; ++i)
-    grid.stretches.push_back(
-        {duration * i / samples, steps_between, duration / samples / static_cast<double>(steps_between)});
-  return grid;
-}
-
-Setting tolerance(double rtol) {
-  Setting setting;
-  setting.knob = Knob::tolerance;
-  setting.rtol = rtol;
-  return setting;
-}
-
-Trajectory run(const Method& method, const Scene& scene, const Setting& setting, const Grid& grid) {
-  const Prepared prepared = method.prepare(scene, setting);
-  Trajectory trajectory;
-  if (!prepared.integrate)
-    ADD_FAILURE() << method.id << ": " << prepared.unsupported;
-  else
-    prepared.integrate(grid, trajectory);
-  return trajectory;
 }
 
 /// Rows of ARKODE that stand for the others: those of the studies, and all of ERKStep.
@@ -112,8 +66,8 @@ TEST(Arkode, StabilityPolynomialsAreThoseOfTheSamePairsElsewhere) {
 /// Order between n and 2n fixed steps of the free body.
 double order_at(const char* id, int n) {
   const Method& m = find_method(id);
-  return std::log2(error_at_10(run(m, free_body(), {}, equal_grid(10, 1, n)).samples.back()) /
-                   error_at_10(run(m, free_body(), {}, equal_grid(10, 1, 2 * n)).samples.back()));
+  return std::log2(error_at_10(run(m, hairer_vilmart(), {}, equal_grid(10, 1, n)).samples.back()) /
+                   error_at_10(run(m, hairer_vilmart(), {}, equal_grid(10, 1, 2 * n)).samples.back()));
 }
 
 /// Does the installed ERKStep take any last stage at the end of a step for its result? Mended in 6.7.0.
@@ -139,9 +93,10 @@ TEST(Arkode, ErkstepLosesTheOrderOfSomeTablesWhereItIsWrong) {
   // ARKStep take the same steps; 128 of them, so that rounding is 1e-6 of the error.
   for (const char* table : {"cash-karp-6-4-5", "dormand-prince-7-4-5"}) {
     const Grid grid = equal_grid(10, 1, 128);
-    const Trajectory ark = run(find_method(std::string("arkode-") + table), free_body(), Setting{}, grid);
+    const Trajectory ark =
+        run(find_method(std::string("arkode-") + table), hairer_vilmart(), Setting{}, grid);
     const Trajectory erk =
-        run(find_method(std::string("arkode-erkstep-") + table), free_body(), Setting{}, grid);
+        run(find_method(std::string("arkode-erkstep-") + table), hairer_vilmart(), Setting{}, grid);
     const double error = error_at_10(ark.samples.back());
     EXPECT_GT(error, 1e-9) << table;
     EXPECT_NEAR(error_at_10(erk.samples.back()), error, 1e-12) << table;
@@ -149,7 +104,7 @@ TEST(Arkode, ErkstepLosesTheOrderOfSomeTablesWhereItIsWrong) {
 }
 
 TEST(Arkode, ErkstepSavesAStageOfDormandAndPrince) {
-  const Trajectory t = run(find_method("arkode-erkstep-dormand-prince-7-4-5"), free_body(), Setting{},
+  const Trajectory t = run(find_method("arkode-erkstep-dormand-prince-7-4-5"), hairer_vilmart(), Setting{},
                            equal_grid(10, 1, 1000));
   // Six a step, the first slope being the last of the step before, and one or two at the ends.
   EXPECT_GE(t.work.rhs_evals, 6000);
@@ -159,7 +114,7 @@ TEST(Arkode, ErkstepSavesAStageOfDormandAndPrince) {
 TEST(Arkode, FixedStepsAreCountedAndEndWhereTheyShould) {
   // 0.1 is no binary fraction: 30 000 sums of 10/30000 miss 10 by some 1e-12, which must cost no step.
   for (const char* id : {"arkode-dormand-prince-7-4-5", "arkode-erkstep-dormand-prince-7-4-5"}) {
-    const Trajectory t = run(find_method(id), free_body(), Setting{}, equal_grid(10, 1, 30'000));
+    const Trajectory t = run(find_method(id), hairer_vilmart(), Setting{}, equal_grid(10, 1, 30'000));
     EXPECT_EQ(t.work.steps, 30'000) << id;
     // Rounding of 30 000 steps of some 14 operations each, 1.1e-16 and in no preferred direction, grown by
     // the motion (28): 28 * 1.1e-16 * sqrt(4.2e5) = 2e-12.
@@ -169,8 +124,8 @@ TEST(Arkode, FixedStepsAreCountedAndEndWhereTheyShould) {
 
 TEST(Arkode, SamplesBetweenFixedStepsChangeNothing) {
   for (const Method* m : representative()) {
-    const Trajectory once = run(*m, free_body(), Setting{}, equal_grid(10, 1, 320));
-    const Trajectory often = run(*m, free_body(), Setting{}, equal_grid(10, 16, 20));
+    const Trajectory once = run(*m, hairer_vilmart(), Setting{}, equal_grid(10, 1, 320));
+    const Trajectory often = run(*m, hairer_vilmart(), Setting{}, equal_grid(10, 16, 20));
     EXPECT_EQ(once.work.steps, often.work.steps) << m->id;
     // A stretch begins with an exact time and a fresh first slope; ERKStep's wrong one is then right, once a
     // stretch, which is a change of 16 of 320 steps.
@@ -183,7 +138,7 @@ TEST(Arkode, SamplesBetweenFixedStepsChangeNothing) {
 TEST(Arkode, ATableWithoutAPairHasNoTolerance) {
   const Method& m = find_method("arkode-knoth-wolke-3-3");
   EXPECT_FALSE(m.by_tolerance);
-  const Prepared prepared = m.prepare(free_body(), tolerance(1e-6));
+  const Prepared prepared = m.prepare(hairer_vilmart(), tolerance(1e-6));
   EXPECT_FALSE(prepared.integrate);
   EXPECT_NE(prepared.unsupported.find("tolerance"), std::string::npos);
 }
@@ -192,12 +147,12 @@ TEST(Arkode, ATableWithoutAPairHasNoTolerance) {
 
 TEST(Arkode, LookingDoesNotDisturb) {
   for (const Method* m : representative()) {
-    const Prepared prepared = m->prepare(free_body(), tolerance(1e-7));
+    const Prepared prepared = m->prepare(hairer_vilmart(), tolerance(1e-7));
     Trajectory once, often, again;
     prepared.integrate(equal_grid(10, 1), once);
     prepared.integrate(equal_grid(10, 1000), often);
     prepared.integrate(equal_grid(10, 1), again);  // and a run leaves nothing behind for the next one
-    ASSERT_EQ(often.samples.size(), 1000u) << m->id << often.reason;
+    ASSERT_EQ(often.samples.size(), 1001u) << m->id << often.reason;
     for (const Trajectory* t : {&often, &again}) {
       EXPECT_EQ(t->work.steps, once.work.steps) << m->id;
       EXPECT_EQ(t->work.rejected_steps, once.work.rejected_steps) << m->id;
@@ -213,11 +168,12 @@ TEST(Arkode, SamplesInsideStepsAreAsAccurateAsTheRun) {
   // Truth: rkf78 in 1000 steps of 0.01, where its error is at rounding. The interpolants of the library would
   // be off by 4e-7 for Fehlberg's pair at 1e-10. A free body's error grows with time, and the end is among
   // its largest: three times that and the tolerance together are allowed.
-  const Trajectory truth = run(find_method("odeint-rkf78"), free_body(), Setting{}, equal_grid(10, 100, 10));
+  const Trajectory truth =
+      run(find_method("odeint-rkf78"), hairer_vilmart(), Setting{}, equal_grid(10, 100, 10));
   for (const char* id : {"arkode-fehlberg-13-7-8", "arkode-dormand-prince-7-4-5", "arkode-zonneveld-5-3-4",
                          "arkode-sdirk-5-3-4", "arkode-erkstep-dormand-prince-7-4-5"}) {
-    const Trajectory t = run(find_method(id), free_body(), tolerance(1e-10), equal_grid(10, 100));
-    ASSERT_EQ(t.samples.size(), 100u) << id << t.reason;
+    const Trajectory t = run(find_method(id), hairer_vilmart(), tolerance(1e-10), equal_grid(10, 100));
+    ASSERT_EQ(t.samples.size(), 101u) << id << t.reason;
     double largest = 0;
     for (std::size_t i = 0; i < t.samples.size(); ++i)
       largest = std::max(largest, attitude_error(truth.samples[i].q, t.samples[i].q));
@@ -234,7 +190,7 @@ TEST(Arkode, SmallerTolerancesGiveSmallerErrors) {
     double first = 0, last = 1;
     for (const double rtol : {1e-3, 1e-5, 1e-7, 1e-9}) {
       const double error =
-          error_at_10(run(*m, free_body(), tolerance(rtol), equal_grid(10, 1)).samples.back());
+          error_at_10(run(*m, hairer_vilmart(), tolerance(rtol), equal_grid(10, 1)).samples.back());
       EXPECT_LT(error, last) << m->id << " at " << rtol;
       if (first == 0) first = error;
       last = error;
@@ -285,7 +241,7 @@ TEST(Arkode, StepLimitAndTimeoutAreOutcomes) {
     Setting limited = tolerance(1e-8);
     limited.step_limit = 5;
     for (const int samples : {1, 200}) {
-      const Trajectory t = run(*m, free_body(), limited, equal_grid(10, samples));
+      const Trajectory t = run(*m, hairer_vilmart(), limited, equal_grid(10, samples));
       EXPECT_EQ(t.outcome, Outcome::step_limit) << m->id << ": " << t.reason;
       EXPECT_EQ(t.work.steps, 5) << m->id;
       EXPECT_FALSE(t.reason.empty());
@@ -295,7 +251,7 @@ TEST(Arkode, StepLimitAndTimeoutAreOutcomes) {
       Setting hurried = tolerance(1e-8);
       hurried.knob = knob;
       hurried.timeout_s = 1e-3;
-      const Trajectory t = run(*m, free_body(), hurried, equal_grid(1e7, 1, 1'000'000'000));
+      const Trajectory t = run(*m, hairer_vilmart(), hurried, equal_grid(1e7, 1, 1'000'000'000));
       EXPECT_EQ(t.outcome, Outcome::timeout) << m->id << ": " << t.reason;
       EXPECT_GT(t.work.steps, 0) << m->id;
     }
@@ -304,7 +260,7 @@ TEST(Arkode, StepLimitAndTimeoutAreOutcomes) {
 
 TEST(Arkode, WhatIsNotFiniteIsSaidAndNothingIsPrinted) {
   // Rates of 1e200 rad/s: their products overflow in the first right-hand side.
-  Scene scene = free_body();
+  Scene scene = hairer_vilmart();
   scene.rotation->w0 = Vec3(1e200, 1e200, 1e200);
   testing::internal::CaptureStderr();
   testing::internal::CaptureStdout();
@@ -328,7 +284,7 @@ TEST(Arkode, WhatIsNotFiniteIsSaidAndNothingIsPrinted) {
 
 TEST(FixedLengthVectors, GiveTheSameRunToTheLastBit) {
   // All lengths there are: 7 (a free top), 3 (its rates), 6 (a particle), 13 (both).
-  Scene rates = free_body(), both = free_body(), particle;
+  Scene rates = hairer_vilmart(), both = hairer_vilmart(), particle;
   rates.rotation->attitude = false;
   TranslationData thrown;
   thrown.v0 = Vec3(3, 0, 4);
@@ -340,7 +296,7 @@ TEST(FixedLengthVectors, GiveTheSameRunToTheLastBit) {
   int compared = 0;
   for (const Method* ours : select_methods({"*-fixed-vector"})) {
     const Method& theirs = find_method(std::string(ours->id.substr(0, ours->id.size() - 13)));
-    for (const Scene& scene : {free_body(), rates, particle, both, with_drag(100)})
+    for (const Scene& scene : {hairer_vilmart(), rates, particle, both, with_drag(100)})
       for (const double rtol : {1e-4, 1e-9}) {
         const Grid grid = equal_grid(10, 7);
         const Trajectory a = run(*ours, scene, tolerance(rtol), grid);
@@ -369,14 +325,16 @@ TEST(FixedLengthVectors, GiveTheSameRunToTheLastBit) {
 
 TEST(CvodeVariants, RenormalisingTheSamplesTouchesNothingElse) {
   const Grid grid = equal_grid(10, 20);
-  const Trajectory a = run(find_method("cvode-adams-renormalised"), free_body(), tolerance(1e-6), grid);
-  const Trajectory b = run(find_method("cvode-adams"), free_body(), tolerance(1e-6), grid);
+  const Trajectory a = run(find_method("cvode-adams-renormalised"), hairer_vilmart(), tolerance(1e-6), grid);
+  const Trajectory b = run(find_method("cvode-adams"), hairer_vilmart(), tolerance(1e-6), grid);
   ASSERT_EQ(a.samples.size(), b.samples.size());
   EXPECT_EQ(a.work.steps, b.work.steps);
   EXPECT_EQ(a.work.rhs_evals, b.work.rhs_evals);
   for (std::size_t i = 0; i < a.samples.size(); ++i) {
     EXPECT_LT(a.samples[i].unit_defect, 4e-16);
-    EXPECT_GT(b.samples[i].unit_defect, 1e-8);
+    if (i > 0) {
+      EXPECT_GT(b.samples[i].unit_defect, 1e-8);
+    }
     EXPECT_EQ(a.samples[i].w_B, b.samples[i].w_B);
     EXPECT_LT(attitude_error(a.samples[i].q, b.samples[i].q), 1e-15);  // the same rotation
   }
@@ -389,7 +347,7 @@ TEST(CvodeVariants, FeedbackHoldsTheLengthOfTheAttitude) {
   for (const double rtol : {1e-5, 1e-8}) {
     const auto worst = [&](const char* id, double from, double to) {
       double defect = 0;
-      for (const Sample& s : run(find_method(id), free_body(), tolerance(rtol), grid).samples)
+      for (const Sample& s : run(find_method(id), hairer_vilmart(), tolerance(rtol), grid).samples)
         if (s.t > from && s.t <= to) defect = std::max(defect, s.unit_defect);
       return defect;
     };
@@ -401,7 +359,7 @@ TEST(CvodeVariants, FeedbackHoldsTheLengthOfTheAttitude) {
 TEST(CvodeVariants, DifferenceQuotientsAreCounted) {
   // Seven right-hand sides for each Jacobian of seven columns, and at least one for each step.
   const Trajectory t =
-      run(find_method("cvode-bdf-differences"), free_body(), tolerance(1e-8), equal_grid(10, 1));
+      run(find_method("cvode-bdf-differences"), hairer_vilmart(), tolerance(1e-8), equal_grid(10, 1));
   EXPECT_GT(t.work.jacobian_evals, 0);
   EXPECT_GE(t.work.rhs_evals, t.work.steps + 7 * t.work.jacobian_evals);
 }
@@ -410,11 +368,10 @@ TEST(CvodeVariants, StabilityLimitDetectionKeepsMoreOfAnOscillation) {
   // A stiff spring without damping swings for ever, its eigenvalues on the imaginary axis, next to which BDF
   // of orders 3 to 5 is not stable and of every order damps: energy is lost. Where CVODE sees it and lowers
   // the order, the steps are more and smaller, and less is lost (10 % and 4 % measured).
-  Scene scene = free_body();
+  Scene scene = hairer_vilmart();
   scene.rotation->w0 *= 0.01;
   scene.rotation->loads.push_back(AttitudeSpring<double>{400, 0, Quaternion(1, 0, 0, 0)});
-  Grid grid = equal_grid(10, 1);
-  grid.from_start = true;
+  const Grid grid = equal_grid(10, 1);
   const Trajectory plain = run(find_method("cvode-bdf"), scene, tolerance(1e-6), grid);
   const Trajectory watched = run(find_method("cvode-bdf-stability-limit"), scene, tolerance(1e-6), grid);
   ASSERT_EQ(watched.outcome, Outcome::ok) << watched.reason;
