@@ -66,6 +66,11 @@ inline constexpr Carrier arkstep_calls = POLHODE_CARRIER(ARKStep), erkstep_calls
 
 enum class CarriedBy { arkstep_explicit, arkstep_implicit, erkstep };
 
+struct ArkodeDeleter {
+  void (*free)(void**) = nullptr;
+  void operator()(void* arkode) const { free(&arkode); }
+};
+
 /// One ARKODE object and the state that it hands out.
 class ArkodeLine {
  public:
@@ -76,66 +81,73 @@ class ArkodeLine {
     const int size = watch.model().size();
     y_ = serial_vector(size, context, fixed_length_vectors);
     std::ranges::copy(watch.model().initial(), state());
-    memory_ = by == CarriedBy::erkstep ? ERKStepCreate(Watch::rhs, 0, y_.get(), context)
-                                       : ARKStepCreate(explicit_rhs(), implicit_rhs(), 0, y_.get(), context);
-    if (memory_ == nullptr) throw std::bad_alloc();
+    arkode_ = {by == CarriedBy::erkstep ? ERKStepCreate(Watch::rhs, 0, y_.get(), context)
+                                        : ARKStepCreate(explicit_rhs(), implicit_rhs(), 0, y_.get(), context),
+               ArkodeDeleter{calls_.free}};
+    if (!arkode_) throw std::bad_alloc();
     silence();
-    calls_.set_user_data(memory_, &watch);
+    calls_.set_user_data(arkode_.get(), &watch);
     if (by == CarriedBy::erkstep)
-      ERKStepSetTableNum(memory_, static_cast<ARKODE_ERKTableID>(table));
+      ERKStepSetTableNum(arkode_.get(), static_cast<ARKODE_ERKTableID>(table));
     else if (by == CarriedBy::arkstep_explicit)
-      ARKStepSetTableNum(memory_, ARKODE_DIRK_NONE, static_cast<ARKODE_ERKTableID>(table));
+      ARKStepSetTableNum(arkode_.get(), ARKODE_DIRK_NONE, static_cast<ARKODE_ERKTableID>(table));
     else
-      ARKStepSetTableNum(memory_, static_cast<ARKODE_DIRKTableID>(table), ARKODE_ERK_NONE);
-    calls_.set_interpolant(memory_, ARK_INTERP_LAGRANGE);
-    calls_.set_interpolant_degree(memory_, 1);
+      ARKStepSetTableNum(arkode_.get(), static_cast<ARKODE_DIRKTableID>(table), ARKODE_ERK_NONE);
+    calls_.set_interpolant(arkode_.get(), ARK_INTERP_LAGRANGE);
+    calls_.set_interpolant_degree(arkode_.get(), 1);
     const bool fixed = setting.knob == Knob::steps;
-    calls_.tolerances(memory_, fixed ? 1e-13 : setting.rtol, fixed ? 1e-13 : setting.absolute_tolerance());
+    calls_.tolerances(arkode_.get(), fixed ? 1e-13 : setting.rtol,
+                      fixed ? 1e-13 : setting.absolute_tolerance());
     if (by == CarriedBy::arkstep_implicit) {
       matrix_ = owned<Owned<SUNMatrix>>(SUNDenseMatrix(size, size, context));
       linear_ = owned<Owned<SUNLinearSolver>>(SUNLinSol_Dense(y_.get(), matrix_.get(), context));
-      POLHODE_ARKODE(SetLinearSolver)(memory_, linear_.get(), matrix_.get());
-      POLHODE_ARKODE(SetJacFn)(memory_, Watch::jacobian);
-      if (fixed) POLHODE_ARKODE(SetMaxNonlinIters)(memory_, 50);
+      POLHODE_ARKODE(SetLinearSolver)(arkode_.get(), linear_.get(), matrix_.get());
+      POLHODE_ARKODE(SetJacFn)(arkode_.get(), Watch::jacobian);
+      if (fixed) {
+        POLHODE_ARKODE(SetMaxNonlinIters)(arkode_.get(), 50);
+        // Not given up where the corrections grow at first: steps may be twice as large before they fail.
+        POLHODE_ARKODE(SetNonlinRDiv)(arkode_.get(), 1e6);
+      }
     }
   }
   ArkodeLine(const ArkodeLine&) = delete;
   ArkodeLine& operator=(const ArkodeLine&) = delete;
-  ~ArkodeLine() { calls_.free(&memory_); }
 
   double* state() const { return NV_DATA_S(y_.get()); }
   /// Begins a run at t from what is in state(); counters at zero.
   void begin(double t) {
     if (by_ == CarriedBy::erkstep)
-      ERKStepReInit(memory_, Watch::rhs, t, y_.get());
+      ERKStepReInit(arkode_.get(), Watch::rhs, t, y_.get());
     else
-      ARKStepReInit(memory_, explicit_rhs(), implicit_rhs(), t, y_.get());
+      ARKStepReInit(arkode_.get(), explicit_rhs(), implicit_rhs(), t, y_.get());
   }
   /// Goes on at t from what is in state().
-  void go_on_from(double t) { calls_.reset(memory_, t, y_.get()); }
-  void fix_step(double h) { calls_.set_fixed_step(memory_, h); }
-  void first_step(double h) { calls_.set_first_step(memory_, h); }
-  void stop_at(double t) { calls_.set_stop_time(memory_, t); }
-  void limit_steps(std::int64_t n) { calls_.set_step_limit(memory_, n); }
+  void go_on_from(double t) { calls_.reset(arkode_.get(), t, y_.get()); }
+  void fix_step(double h) { calls_.set_fixed_step(arkode_.get(), h); }
+  void first_step(double h) { calls_.set_first_step(arkode_.get(), h); }
+  void stop_at(double t) { calls_.set_stop_time(arkode_.get(), t); }
+  void limit_steps(std::int64_t n) { calls_.set_step_limit(arkode_.get(), n); }
 
   /// One step towards t_end, or all of them; t becomes the time reached. Negative: a failure.
-  int step(double t_end, double& t) { return calls_.evolve(memory_, t_end, y_.get(), &t, ARK_ONE_STEP); }
-  int run(double t_end, double& t) { return calls_.evolve(memory_, t_end, y_.get(), &t, ARK_NORMAL); }
+  int step(double t_end, double& t) {
+    return calls_.evolve(arkode_.get(), t_end, y_.get(), &t, ARK_ONE_STEP);
+  }
+  int run(double t_end, double& t) { return calls_.evolve(arkode_.get(), t_end, y_.get(), &t, ARK_NORMAL); }
 
   double time() const {
     double t = 0;
-    calls_.time(memory_, &t);
+    calls_.time(arkode_.get(), &t);
     return t;
   }
   std::int64_t steps() const {
     long n = 0;
-    calls_.steps(memory_, &n);
+    calls_.steps(arkode_.get(), &n);
     return n;
   }
   std::int64_t rejected_steps() const {
     long errors = 0, solves = 0;
-    calls_.error_failures(memory_, &errors);
-    if (by_ == CarriedBy::arkstep_implicit) POLHODE_ARKODE(GetNumStepSolveFails)(memory_, &solves);
+    calls_.error_failures(arkode_.get(), &errors);
+    if (by_ == CarriedBy::arkstep_implicit) POLHODE_ARKODE(GetNumStepSolveFails)(arkode_.get(), &solves);
     return errors + solves;
   }
   std::string text(int flag) const { return flag_text("ARKODE", calls_.flag_name(flag)); }
@@ -148,9 +160,9 @@ class ArkodeLine {
 #if SUNDIALS_VERSION_MAJOR < 7
     const auto nothing = [](int, const char*, const char*, char*, void*) {};
     if (by_ == CarriedBy::erkstep)
-      ERKStepSetErrHandlerFn(memory_, nothing, nullptr);
+      ERKStepSetErrHandlerFn(arkode_.get(), nothing, nullptr);
     else
-      ARKStepSetErrHandlerFn(memory_, nothing, nullptr);
+      ARKStepSetErrHandlerFn(arkode_.get(), nothing, nullptr);
 #endif
   }
 
@@ -159,7 +171,7 @@ class ArkodeLine {
   Owned<N_Vector> y_;
   Owned<SUNMatrix> matrix_;
   Owned<SUNLinearSolver> linear_;
-  void* memory_ = nullptr;
+  std::unique_ptr<void, ArkodeDeleter> arkode_;
 };
 
 /// ARKODE on one model, made once and initialised anew for each run.

@@ -29,7 +29,7 @@ std::vector<const Method*> representative() {
   return found;
 }
 
-bool is_explicit(const Method& m) { return !m.stability_polynomial.empty(); }
+bool is_explicit(const Method& m) { return m.summary.starts_with("explicit"); }
 
 // ---- the tables
 
@@ -38,7 +38,7 @@ TEST(Arkode, StabilityPolynomialsAreExponentialsUpToTheOrder) {
   // products of at most 13 rounded coefficients, some of them as large as 12.
   int seen = 0;
   for (const Method* m : select_methods({"arkode-*"})) {
-    if (!is_explicit(*m)) continue;
+    if (m->stability_polynomial.empty()) continue;
     ++seen;
     // NAME-STAGES-EMBEDDED-ORDER, but for the one without a pair: NAME-STAGES-ORDER.
     std::string id(m->id);
@@ -51,7 +51,7 @@ TEST(Arkode, StabilityPolynomialsAreExponentialsUpToTheOrder) {
       factorial *= k + 1;
     }
   }
-  EXPECT_GE(seen, 15 + 4);  // SUNDIALS 6.4 ships 15, four are there a second time by ERKStep
+  EXPECT_GE(seen, 15 + 2 + 1);  // SUNDIALS 6.4 ships 15; ERKStep's sound ones and vectors of fixed length
 }
 
 TEST(Arkode, StabilityPolynomialsAreThoseOfTheSamePairsElsewhere) {
