@@ -9,6 +9,7 @@
 
 #include "models/model.hpp"
 #include "solvers/registry.hpp"
+#include "tests/free_body_runs.hpp"
 
 namespace polhode {
 namespace {
@@ -20,18 +21,6 @@ std::vector<const Method*> adapters(Knob knob) {
   for (const Method* m : select_methods({"cvode-*", "odeint-*"}))
     if (m->has(knob)) found.push_back(m);
   return found;
-}
-
-/// Free body of Hairer & Vilmart: principal moments (.6, .8, 1), momentum (1.8, .4, -.9) in the body frame at
-/// the start.
-Scene hairer_vilmart() {
-  Scene scene;
-  scene.duration = 10;
-  RotationData rotation;
-  rotation.moments = Vec3(0.6, 0.8, 1);
-  rotation.w0 = Vec3(1.8 / 0.6, 0.4 / 0.8, -0.9);
-  scene.rotation = rotation;
-  return scene;
 }
 
 Scene particle() {
@@ -47,49 +36,19 @@ Scene particle() {
   return scene;
 }
 
-/// Samples at equal distances, with so many fixed steps between two of them.
-Grid equal_grid(double duration, int samples, std::int64_t steps_between = 1) {
-  Grid grid;
-  grid.from_start = true;
-  for (int i = 1; i <= samples; ++i)
-    grid.stretches.push_back(
-        {duration * i / samples, steps_between, duration / samples / static_cast<double>(steps_between)});
-  return grid;
-}
-
-Setting tolerance(double rtol) {
-  Setting setting;
-  setting.knob = Knob::tolerance;
-  setting.rtol = rtol;
-  return setting;
-}
-
-Trajectory run(const Method& method, const Scene& scene, const Setting& setting, const Grid& grid) {
-  const Prepared prepared = method.prepare(scene, setting);
-  EXPECT_TRUE(prepared.integrate) << method.id << ": " << prepared.unsupported;
-  Trajectory trajectory;
-  if (prepared.integrate) prepared.integrate(grid, trajectory);
-  return trajectory;
-}
-
-/// Distance of a sample from the state of the Hairer-Vilmart body at t = 10 that is known to 18 digits
-/// (40-digit Taylor series; momentum in the body frame).
-double error_at_10(const Sample& s) {
-  const Quaternion q(-0.73606136416079394, -0.57078695124035073, -0.29938857183079009, -0.20683908610467319);
-  const Vec3 m(1.76596250851820754, -0.69546419703308912, 0.77955498148187109);
-  return std::max(attitude_error(q, s.q), (Vec3(0.6, 0.8, 1).cwiseProduct(s.w_B) - m).norm() / m.norm());
-}
-
 TEST(Adapters, ReachThePublishedState) {
   // The error control keeps the local error near the tolerance; the global error is larger by the growth
   // along the run: 10 s are a few turns, and a free body parts from its neighbours linearly in time. CVODE
   // controls the error per step, so that its 400 to 1300 steps add up: three digits are allowed for both
-  // together.
+  // together. A matrix that has left the rotations carries another inertia, R I R^T, and its body moves
+  // otherwise: a defect of its six conditions adds up where that of |q| does not, for which one digit more is
+  // allowed and a factor 2 (1.4e4 is the largest measured over 1e-3 ... 1e-12).
   for (const Method* m : adapters(Knob::tolerance))
     for (const double rtol : {1e-6, 1e-9, 1e-12}) {
       const Trajectory t = run(*m, hairer_vilmart(), tolerance(rtol), equal_grid(10, 1));
       ASSERT_EQ(t.outcome, Outcome::ok) << m->id << ": " << t.reason;
-      EXPECT_LT(error_at_10(t.samples.back()), 1000 * rtol) << m->id << " at " << rtol;
+      const double allowed = m->id.ends_with("-matrix") ? 20'000 : 1000;
+      EXPECT_LT(error_at_10(t.samples.back()), allowed * rtol) << m->id << " at " << rtol;
     }
 }
 
@@ -180,7 +139,7 @@ TEST(Adapters, AParticleFallsWithDrag) {
   const Vec3 v_inf = Vec3(0, 0, -9.81) / k, v0(3, 0, 4);
   const Vec3 v = v_inf + (v0 - v_inf) * decay, p = v_inf * 2 + (v0 - v_inf) * (1 - decay) / k;
   for (const Method* m : adapters(Knob::tolerance)) {
-    if (m->id == "cvode-bdf-projected") continue;  // has nothing to project here: below
+    if (m->prepare(scene, tolerance(1e-9)).unsupported.starts_with("needs an attitude")) continue;  // below
     const Trajectory t = run(*m, scene, tolerance(1e-9), equal_grid(2, 4));
     ASSERT_EQ(t.outcome, Outcome::ok) << m->id << ": " << t.reason;
     EXPECT_LT((t.samples.back().v - v).norm(), 1e-6) << m->id;
@@ -189,12 +148,15 @@ TEST(Adapters, AParticleFallsWithDrag) {
 }
 
 TEST(Adapters, WhatDoesNotFitIsUnsupportedWithAReason) {
-  const Prepared particle_run = find_method("cvode-bdf-projected").prepare(particle(), tolerance(1e-6));
-  EXPECT_FALSE(particle_run.integrate);
-  EXPECT_NE(particle_run.unsupported.find("attitude"), std::string::npos) << particle_run.unsupported;
   Scene rates = hairer_vilmart();
   rates.rotation->attitude = false;
-  EXPECT_FALSE(find_method("cvode-bdf-projected").prepare(rates, tolerance(1e-6)).integrate);
+  for (const char* id :
+       {"cvode-bdf-projected", "cvode-adams-renormalised", "cvode-adams-norm-feedback", "cvode-adams-matrix"})
+    for (const Scene& scene : {particle(), rates}) {
+      const Prepared bare = find_method(id).prepare(scene, tolerance(1e-6));
+      EXPECT_FALSE(bare.integrate) << id;
+      EXPECT_NE(bare.unsupported.find("attitude"), std::string::npos) << bare.unsupported;
+    }
 
   const Prepared no_tolerance = find_method("odeint-rk4").prepare(hairer_vilmart(), tolerance(1e-6));
   EXPECT_FALSE(no_tolerance.integrate);
