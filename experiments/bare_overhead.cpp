@@ -16,9 +16,12 @@
 #include <string>
 #include <vector>
 
+#include <boost/numeric/odeint/stepper/adams_bashforth_moulton.hpp>
 #include <boost/numeric/odeint/stepper/bulirsch_stoer.hpp>
 #include <boost/numeric/odeint/stepper/controlled_runge_kutta.hpp>
+#include <boost/numeric/odeint/stepper/modified_midpoint.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta4.hpp>
+#include <boost/numeric/odeint/stepper/runge_kutta_cash_karp54.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
 #include <cvode/cvode.h>
@@ -211,10 +214,16 @@ std::vector<Pair> pairs() {
   };
   for (const int steps : {200, 2000}) {
     by_steps("odeint-rk4", steps, bare_fixed<odeint::runge_kutta4<State>>(steps));
+    by_steps("odeint-modified-midpoint", steps, bare_fixed<odeint::modified_midpoint<State>>(steps));
+    by_steps("odeint-abm4", steps, bare_fixed<odeint::adams_bashforth_moulton<4, State>>(steps));
+    by_steps("odeint-abm8-rk4-start", steps, bare_fixed<odeint::adams_bashforth_moulton<8, State>>(steps));
+    by_steps("odeint-cash-karp54", steps, bare_fixed<odeint::runge_kutta_cash_karp54<State>>(steps));
     by_steps("odeint-dopri5", steps, bare_fixed<odeint::runge_kutta_dopri5<State>>(steps));
     by_steps("odeint-rkf78", steps, bare_fixed<odeint::runge_kutta_fehlberg78<State>>(steps));
   }
   for (const double tolerance : {1e-6, 1e-10}) {
+    by_tolerance("odeint-cash-karp54", tolerance,
+                 bare_pair<odeint::runge_kutta_cash_karp54<State>>(tolerance));
     by_tolerance("odeint-dopri5", tolerance, bare_pair<odeint::runge_kutta_dopri5<State>>(tolerance));
     by_tolerance("odeint-rkf78", tolerance, bare_pair<odeint::runge_kutta_fehlberg78<State>>(tolerance));
     by_tolerance(

@@ -2,7 +2,10 @@
 //   k1 = f(t, y), k2 = f(t + h/2, y + h/2 k1), k3 = f(t + h/2, y + h/2 k2), k4 = f(t + h, y + h k3)
 //   y <- y + h/6 (k1 + 2 k2 + 2 k3 + k4)
 // Order 4. |q| leaves one with order 5 unless it is divided out; nothing else is kept.
+// rk4-compensated carries the rounding of the sum y + increment along: solvers/compensated.hpp. For steps so
+// small that rounding is all the error there is.
 // Source: Kutta (1901); Hairer, Norsett & Wanner, Solving Ordinary Differential Equations I (1993), II.1.
+#include "solvers/compensated.hpp"
 #include "solvers/fixed_step.hpp"
 #include "solvers/runge_kutta_4.hpp"
 
@@ -20,6 +23,11 @@ struct Rk4 : QuaternionForm {
     auto next = runge_kutta_4([&m](double s, const double* x, double* d) { m.rhs(s, x, d); }, t, h, y);
     if constexpr (renormalise) renormalise_attitude(next);
     return next;
+  }
+  template <AnyModel M>
+  requires(!renormalise) typename M::State
+      increment(const M& m, double t, double h, const typename M::State& y) const {
+    return runge_kutta_4_increment([&m](double s, const double* x, double* d) { m.rhs(s, x, d); }, t, h, y);
   }
 };
 
@@ -56,6 +64,15 @@ constinit const Method rows[] = {
      .claims = renormalised_claims,
      .stability_polynomial = amplification,
      .prepare = run_fixed_step<Rk4<true>>},
+    {.id = "rk4-compensated",
+     .family = "classical",
+     .summary = "classical Runge-Kutta on (q, w_B), the rounding of its sums carried along",
+     .source = "Kutta (1901); Kahan, Comm. ACM 8 (1965)",
+     .by_steps = true,
+     .in_studies = false,
+     .claims = claims,
+     .stability_polynomial = amplification,
+     .prepare = run_fixed_step<Compensated<Rk4<false>>>},
 };
 
 }  // namespace
