@@ -83,7 +83,8 @@ INSTANTIATE_TEST_SUITE_P(
                     Pair{"lie-midpoint", "lie_midpoint_exp"}, Pair{"akw-midpoint", "akw_midpoint_cay"},
                     Pair{"no-squish", "strang_32123"}, Pair{"splitting-12321", "strang_12321"},
                     Pair{"splitting-13231", "strang_13231"}, Pair{"splitting-21312", "strang_21312"},
-                    Pair{"splitting-23132", "strang_23132"}, Pair{"splitting-31213", "strang_31213"}),
+                    Pair{"splitting-23132", "strang_23132"}, Pair{"splitting-31213", "strang_31213"},
+                    Pair{"dmv2", "dmv2"}, Pair{"dmv4", "dmv4"}),
     [](const testing::TestParamInfo<Pair>& row) { return std::string(row.param.theirs); });
 
 }  // namespace

@@ -1,0 +1,130 @@
+// The torque-free part of a splitting: attitude and momentum carried along by turns.
+//
+// A turn by the unit quaternion (c, s u) is added to what it turns, q + q (c - 1, s u) and
+// m + 2 s (...): what is rounded is the change, and a turn that repeats does not lengthen q or m step by step
+// by the same last digit. The sines are polynomials for turns below one radian, and no root is taken.
+#pragma once
+#include <algorithm>
+
+#include "models/attitude.hpp"
+
+namespace polhode {
+
+/// Attitude and angular momentum in the body.
+struct Spinning {
+  Quaternion q;
+  Vec3 m;  // kg m^2/s
+};
+
+/// Component by component, in scalars: as a packet it would be loaded from where scalars have just been stored,
+/// which a processor can only do after a delay of a dozen cycles.
+[[gnu::always_inline]] inline Vec3 product(const Vec3& a, const Vec3& b) {
+  return {a.x() * b.x(), a.y() * b.y(), a.z() * b.z()};
+}
+
+/// A unit quaternion less one.
+struct SmallTurn {
+  double w, x, y, z;  // w = cos - 1
+};
+
+/// How large the half-angles of a flow may be: one question a flow, asked before it, instead of one a turn.
+enum class Angles { small, any };  // small: a^2 <= 1/4
+
+/// cos a - 1 and sin(a)/a of a^2; Taylor where a is small, whose next term is below 1e-18.
+template <Angles angles>
+struct HalfAngle {
+  double cosine_less_one, sinc;
+
+  [[gnu::always_inline]] explicit HalfAngle(double a2) {
+    if (angles == Angles::small || a2 <= 0.25) {
+      const double a4 = a2 * a2, a8 = a4 * a4;
+      cosine_less_one = a2 * (((-1.0 / 2 + a2 * (1.0 / 24)) + a4 * (-1.0 / 720 + a2 * (1.0 / 40320))) +
+                              a8 * ((-1.0 / 3628800 + a2 * (1.0 / 479001600)) + a4 * (-1.0 / 87178291200)));
+      sinc = ((1.0 - a2 * (1.0 / 6)) + a4 * (1.0 / 120 - a2 * (1.0 / 5040))) +
+             a8 * ((1.0 / 362880 - a2 * (1.0 / 39916800)) +
+                   a4 * (1.0 / 6227020800 - a2 * (1.0 / 1307674368000)));
+    } else {
+      const double a = std::sqrt(a2), half = std::sin(0.5 * a);
+      cosine_less_one = -2 * half * half;
+      sinc = std::sin(a) / a;
+    }
+  }
+};
+
+/// Are the half-angles of all turns of length h small? No turn is faster than |m| over the least moment.
+inline bool turns_are_small(const Vec3& m, const Vec3& inverse, double h) {
+  const double fastest = std::max(std::max(inverse.x(), inverse.y()), inverse.z()) * h;
+  return fastest * fastest * (m.x() * m.x() + (m.y() * m.y() + m.z() * m.z())) <= 1;
+}
+
+/// q (1 + by)
+[[gnu::always_inline]] inline void turn_attitude(Quaternion& q, const SmallTurn& by) {
+  const double w = q.w(), x = q.x(), y = q.y(), z = q.z();
+  q.w() = w + ((w * by.w - x * by.x) - (y * by.y + z * by.z));
+  q.x() = x + ((x * by.w + w * by.x) + (y * by.z - z * by.y));
+  q.y() = y + ((y * by.w + w * by.y) + (z * by.x - x * by.z));
+  q.z() = z + ((z * by.w + w * by.z) + (x * by.y - y * by.x));
+}
+
+/// Turn about one axis by an angle; the momentum's components across it turn back.
+template <Angles angles>
+struct AxisTurn {
+  double cosine_less_one, sine;  // of half the angle
+
+  [[gnu::always_inline]] explicit AxisTurn(double half_angle) {
+    const HalfAngle<angles> f(half_angle * half_angle);
+    cosine_less_one = f.cosine_less_one;
+    sine = half_angle * f.sinc;
+  }
+  /// a, b: the components along the two axes after the axis of the turn, in cyclic order.
+  [[gnu::always_inline]] void turn_back(double& a, double& b) const {
+    const double twice = 2 * sine;
+    const double da = twice * ((b + cosine_less_one * b) - sine * a);
+    const double db = twice * ((a + cosine_less_one * a) + sine * b);
+    a += da;
+    b -= db;
+  }
+};
+
+/// Turn about one axis by the rate that its component of the momentum has.
+template <Angles angles>
+[[gnu::always_inline]] inline void turn_about(Spinning& x, int axis, double inverse_moment, double h) {
+  const AxisTurn<angles> by(0.5 * h * inverse_moment * x.m[axis]);
+  const int next = (axis + 1) % 3, last = (axis + 2) % 3;
+  auto& q = x.q.coeffs();  // x, y, z, w
+  const double c = by.cosine_less_one, s = by.sine, w = q[3], k = q[axis], i = q[next], j = q[last];
+  q[3] = w + (w * c - k * s);
+  q[axis] = k + (k * c + w * s);
+  q[next] = i + (i * c + j * s);
+  q[last] = j + (j * c - i * s);
+  by.turn_back(x.m[next], x.m[last]);
+}
+
+/// The free motion as a symmetric top about axis 1, with moments I1, I2, I2, and the rest, which is a turn
+/// about axis 3 by (1/I3 - 1/I2) m3.
+struct SymmetricTop {
+  /// The rest for a time, the top, the rest.
+  template <Angles angles>
+  [[gnu::always_inline]] static void flow(Spinning& x, const Vec3& inverse, double before, double top,
+                                          double after) {
+    const double rest = inverse.z() - inverse.y();
+    turn_about<angles>(x, 2, rest, before);
+    turn_as_top<angles>(x, inverse, top);
+    turn_about<angles>(x, 2, rest, after);
+  }
+  template <Angles angles>
+  [[gnu::always_inline]] static void turn_as_top(Spinning& x, const Vec3& inverse, double h) {
+    // As a whole with L/I2, and about axis 1 with (1/I1 - 1/I2) m1; the former leaves L where it is.
+    const double half = 0.5 * h * inverse.y();
+    const Vec3 angle(half * x.m.x(), half * x.m.y(), half * x.m.z());
+    const HalfAngle<angles> f(angle.x() * angle.x() + (angle.y() * angle.y() + angle.z() * angle.z()));
+    const double a = f.sinc * angle.x(), b = f.sinc * angle.y(), c = f.sinc * angle.z();
+    const AxisTurn<angles> own(0.5 * h * (inverse.x() - inverse.y()) * x.m.x());
+    const double w = f.cosine_less_one, v = own.cosine_less_one, s = own.sine;
+    turn_attitude(x.q, {(w + v) + (w * v - a * s), (a + s) + (a * v + w * s), b + (b * v + c * s),
+                        c + (c * v - b * s)});
+    own.turn_back(x.m.y(), x.m.z());
+  }
+};
+
+}  // namespace polhode
