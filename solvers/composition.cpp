@@ -149,8 +149,12 @@ struct FreeFlow {
   static void flow(Spinning& x, const Vec3& moments, const Vec3& inverse, double, double flow, double) {
     const Quaternion here(1, 0, 0, 0);
     const Quaternion turn = FreeRotation<double>(moments, here, Vec3(inverse.cwiseProduct(x.m))).at(flow).q;
-    x.q = x.q * turn;
-    x.m = to_body<double>(turn, x.m);
+    // Its vector alone says by how much less than one its scalar is, with all digits, as long as it is small.
+    const double sign = turn.w() < 0 ? -1 : 1, vv = turn.vec().squaredNorm();
+    const double less = vv < 0.5 ? -vv / (1 + std::sqrt(1 - vv)) : sign * turn.w() - 1;
+    const SmallTurn by{less, sign * turn.x(), sign * turn.y(), sign * turn.z()};
+    turn_attitude(x.q, by);
+    turn_momentum(x.m, by);
   }
   static void step(Spinning& x, const Vec3& moments, const Vec3& inverse, double h, const Composition&) {
     flow(x, moments, inverse, 0, h, 0);

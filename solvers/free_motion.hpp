@@ -16,8 +16,8 @@ struct Spinning {
   Vec3 m;  // kg m^2/s
 };
 
-/// Component by component, in scalars: as a packet it would be loaded from where scalars have just been stored,
-/// which a processor can only do after a delay of a dozen cycles.
+/// Component by component, in scalars: as a packet it would be loaded from where scalars have just been
+/// stored, which a processor can only do after a delay of a dozen cycles.
 [[gnu::always_inline]] inline Vec3 product(const Vec3& a, const Vec3& b) {
   return {a.x() * b.x(), a.y() * b.y(), a.z() * b.z()};
 }
@@ -57,13 +57,26 @@ inline bool turns_are_small(const Vec3& m, const Vec3& inverse, double h) {
   return fastest * fastest * (m.x() * m.x() + (m.y() * m.y() + m.z() * m.z())) <= 1;
 }
 
-/// q (1 + by)
-[[gnu::always_inline]] inline void turn_attitude(Quaternion& q, const SmallTurn& by) {
+/// q (1 + by) - q
+[[gnu::always_inline]] inline Quaternion change_of(const Quaternion& q, const SmallTurn& by) {
   const double w = q.w(), x = q.x(), y = q.y(), z = q.z();
-  q.w() = w + ((w * by.w - x * by.x) - (y * by.y + z * by.z));
-  q.x() = x + ((x * by.w + w * by.x) + (y * by.z - z * by.y));
-  q.y() = y + ((y * by.w + w * by.y) + (z * by.x - x * by.z));
-  q.z() = z + ((z * by.w + w * by.z) + (x * by.y - y * by.x));
+  return {(w * by.w - x * by.x) - (y * by.y + z * by.z), (x * by.w + w * by.x) + (y * by.z - z * by.y),
+          (y * by.w + w * by.y) + (z * by.x - x * by.z), (z * by.w + w * by.z) + (x * by.y - y * by.x)};
+}
+[[gnu::always_inline]] inline void turn_attitude(Quaternion& q, const SmallTurn& by) {
+  const Quaternion change = change_of(q, by);
+  q.w() += change.w();
+  q.x() += change.x();
+  q.y() += change.y();
+  q.z() += change.z();
+}
+
+/// m turned back: conj(1 + by) m (1 + by)
+[[gnu::always_inline]] inline void turn_momentum(Vec3& m, const SmallTurn& by) {
+  const Vec3 v(by.x, by.y, by.z), across = v.cross(m), twice = v.cross(across);
+  m.x() += 2 * (twice.x() - (across.x() + by.w * across.x()));
+  m.y() += 2 * (twice.y() - (across.y() + by.w * across.y()));
+  m.z() += 2 * (twice.z() - (across.z() + by.w * across.z()));
 }
 
 /// Turn about one axis by an angle; the momentum's components across it turn back.

@@ -98,8 +98,55 @@ class Series {
   Table sigma_{}, delta_{};
 };
 
-/// 1/Ih that makes the step exact; not positive where there is none. In long double: the small angles of a
-/// small step are divided by.
+// ---- the step
+
+/// The moments of steps of one length on one curve.
+struct Told {
+  Vec3 inverse, moments;  // 1/Ih, Ih
+  double bend = 0;  // how far the equation for c is from linear: Newton's error e becomes about bend e^2
+
+  Told() = default;
+  Told(const Vec3& inverse_moments, const Vec3& given, double h, const Vec3& m)
+      : inverse(inverse_moments), moments(given) {
+    bend = ((moments.maxCoeff() - moments.minCoeff()) + 2 * std::abs(h) * m.norm()) / moments.minCoeff();
+  }
+};
+
+/// The equation of a step for c = rho/rho_0,
+///   F_i = Ih_i c_i + (Ih_k - Ih_j) c_j c_k - (1 + |c|^2) h m_i/2,
+/// and Newton's correction at c.
+struct StepEquation {
+  Vec3 moments, differences, hm;
+
+  StepEquation(const Vec3& I, const Vec3& m, double h)
+      : moments(I), differences(I.z() - I.y(), I.x() - I.z(), I.y() - I.x()), hm(h * m) {}
+
+  /// Determinant of the derivative over the product of the moments: one for a small step, zero where the
+  /// solution ends.
+  [[gnu::always_inline]] double correction(const Vec3& c, Vec3& change) const {
+    const Vec3 &I = moments, &d = differences;
+    const double half = 0.5 * (1 + c.squaredNorm());
+    const Vec3 F(I.x() * c.x() + (d.x() * (c.y() * c.z()) - half * hm.x()),
+                 I.y() * c.y() + (d.y() * (c.z() * c.x()) - half * hm.y()),
+                 I.z() * c.z() + (d.z() * (c.x() * c.y()) - half * hm.z()));
+    const Vec3 r0(I.x() - hm.x() * c.x(), d.x() * c.z() - hm.x() * c.y(), d.x() * c.y() - hm.x() * c.z());
+    const Vec3 r1(d.y() * c.z() - hm.y() * c.x(), I.y() - hm.y() * c.y(), d.y() * c.x() - hm.y() * c.z());
+    const Vec3 r2(d.z() * c.y() - hm.z() * c.x(), d.z() * c.x() - hm.z() * c.y(), I.z() - hm.z() * c.z());
+    const Vec3 a = r1.cross(r2), b = r2.cross(r0), e = r0.cross(r1);
+    const double determinant = r0.x() * a.x() + (r0.y() * a.y() + r0.z() * a.z());
+    const double scale = 1 / determinant;
+    change = Vec3(scale * (F.x() * a.x() + (F.y() * b.x() + F.z() * e.x())),
+                  scale * (F.x() * a.y() + (F.y() * b.y() + F.z() * e.y())),
+                  scale * (F.x() * a.z() + (F.y() * b.z() + F.z() * e.z())));
+    return determinant / (I.x() * I.y() * I.z());
+  }
+};
+
+/// Below this determinant the step is called unsolvable: rounding would be multiplied by its inverse.
+constexpr double least_determinant = 0.05;
+
+/// 1/Ih that makes the step exact; zero where there is none. In long double: the small angles of a small step
+/// are divided by.
 Vec3 exact_inverse(const Vec3& moments, const Vec3& m, double h) {
   using S = long double;
   std::array<int, 3> axis{0, 1, 2};
@@ -111,6 +158,9 @@ Vec3 exact_inverse(const Vec3& moments, const Vec3& m, double h) {
   const S share = c > a ? (b - a) * c / (b * (c - a)) : S(0);
   const S n_a = std::sqrt(m_a * m_a + (1 - share) * m_b * m_b),
           n_c = std::sqrt(m_c * m_c + share * m_b * m_b);
+  // Nowhere on the curve is the body faster than here: a turn of less than half a revolution is known by its
+  // quaternion.
+  if (!(std::abs(h) * std::hypot(n_a / a, n_c / c) < half_turn<S>())) return Vec3::Zero();
   const FreeRotation<S> body(Vec3(moments[axis[0]], moments[axis[1]], moments[axis[2]]), {1, 0, 0, 0},
                              {n_a / a, 0, n_c / c});
   const auto half = body.at(S(h) / 2);
@@ -123,66 +173,68 @@ Vec3 exact_inverse(const Vec3& moments, const Vec3& m, double h) {
   S inverse_a = n_a > lost ? S(2 * r_0 * r_a / (h * a * half.w_B.x())) : S(0);
   S inverse_c = n_c > lost ? S(2 * r_0 * r_c / (h * c * half.w_B.z())) : S(inverse_a * a / c);
   if (!(n_a > lost)) inverse_a = inverse_c * c / a;
+  const Vec3 sorted(static_cast<double>(inverse_a),
+                    static_cast<double>(inverse_a + share * (inverse_c - inverse_a)),
+                    static_cast<double>(inverse_c));
+  // The turn solves the equation. Is it the solution that begins at h = 0? (Bodies that could not be built
+  // leave it the other way, to large determinants.)
+  if (!(sorted.minCoeff() > 0)) return Vec3::Zero();
+  const Vec3 c_half(static_cast<double>(r_a / r_0), 0, static_cast<double>(r_c / r_0)),
+      momentum(static_cast<double>(a * half.w_B.x()), -static_cast<double>(b * half.w_B.y()),
+               static_cast<double>(c * half.w_B.z()));
+  Vec3 unused;
+  const double determinant = StepEquation(sorted.cwiseInverse(), momentum, h).correction(c_half, unused);
+  if (!(determinant > least_determinant && determinant < 4)) return Vec3::Zero();
   Vec3 inverse;
-  inverse[axis[0]] = static_cast<double>(inverse_a);
-  inverse[axis[1]] = static_cast<double>(inverse_a + share * (inverse_c - inverse_a));
-  inverse[axis[2]] = static_cast<double>(inverse_c);
+  for (int i = 0; i < 3; ++i) inverse[axis[static_cast<std::size_t>(i)]] = sorted[i];
   return inverse;
 }
 
-// ---- the step
-
-/// What a step of one length on one curve needs.
-struct Told {
-  Vec3 inverse, moments;  // 1/Ih, Ih
+/// What sums of many small changes have lost in rounding.
+struct Lost {
+  Quaternion q{0, 0, 0, 0};
+  Vec3 m = Vec3::Zero();
 };
+/// sum += change, by Kahan.
+[[gnu::always_inline]] inline void add(double& sum, double change, double& lost) {
+  const double whole = change + lost, before = sum;
+  sum = before + whole;
+  lost = whole - (sum - before);
+}
 
-/// Solves for c = rho/rho_0 and takes the step; false if there is no solution.
-bool take_step(Spinning& x, const Told& I, double h) {
-  const Vec3 d(I.moments.z() - I.moments.y(), I.moments.x() - I.moments.z(), I.moments.y() - I.moments.x());
+/// Solves for c and takes the step; false if there is no solution.
+bool take_step(Spinning& x, Lost& lost, const Told& told, double h) {
   const Vec3& m = x.m;
+  const StepEquation equation(told.moments, m, h);
+  const Vec3& d = equation.differences;
   // rho_0 rho = h w/2 with w at the middle, 1/Ih (m + m_next)/2: a first guess, of order 3.
-  const Vec3 w = product(I.inverse, m);
-  const Vec3 ahead = m + 0.5 * h * m.cross(w);
-  const Vec3 s = 0.5 * h * product(I.inverse, ahead);
-  const double room = 1 - 4 * s.squaredNorm();
-  Vec3 c = s * (2 / (1 + (room > 0 ? std::sqrt(room) : 0.0)));
-  double before = std::numeric_limits<double>::infinity();
+  const Vec3 ahead = m + 0.5 * h * m.cross(product(told.inverse, m));
+  const Vec3 s = 0.5 * h * product(told.inverse, ahead);
+  const double ss = s.x() * s.x() + (s.y() * s.y() + s.z() * s.z());
+  Vec3 c = s * (ss < 0.01 ? 1 + ss : 2 / (1 + std::sqrt(std::max(0.0, 1 - 4 * ss))));
   for (int i = 0;; ++i) {
-    // F = 2 Ih_i c_i + 2 (Ih_k - Ih_j) c_j c_k - (1 + |c|^2) h m_i, and the rows of its derivative, halved
-    const double half = 0.5 * h * (1 + c.squaredNorm());
-    const Vec3 F(I.moments.x() * c.x() + d.x() * c.y() * c.z() - half * m.x(),
-                 I.moments.y() * c.y() + d.y() * c.z() * c.x() - half * m.y(),
-                 I.moments.z() * c.z() + d.z() * c.x() * c.y() - half * m.z());
-    const Vec3 hm = h * m;
-    const Vec3 r0(I.moments.x() - hm.x() * c.x(), d.x() * c.z() - hm.x() * c.y(),
-                  d.x() * c.y() - hm.x() * c.z());
-    const Vec3 r1(d.y() * c.z() - hm.y() * c.x(), I.moments.y() - hm.y() * c.y(),
-                  d.y() * c.x() - hm.y() * c.z());
-    const Vec3 r2(d.z() * c.y() - hm.z() * c.x(), d.z() * c.x() - hm.z() * c.y(),
-                  I.moments.z() - hm.z() * c.z());
-    const Vec3 across = r1.cross(r2);
-    const double determinant = r0.dot(across);
-    const Vec3 change = (F.x() * across + F.y() * r2.cross(r0) + F.z() * r0.cross(r1)) * (1 / determinant);
+    Vec3 change;
+    const double determinant = equation.correction(c, change);
     c -= change;
     const double size = change.cwiseAbs().maxCoeff(), scale = c.cwiseAbs().maxCoeff() + 1e-300;
-    // Newton's error is squared at each turn; this says by which factor.
-    if (size <= 1e-16 * scale ||
-        (i > 0 && size < 1e-5 * scale && size * size * size <= 1e-17 * scale * before * before) ||
-        (i > 4 && size <= 1e-14 * scale)) {
-      // On the branch that begins at h = 0 the determinant is positive; it vanishes where the branch ends.
-      if (!(determinant > 0)) return false;
+    // The determinant is positive on the branch that begins at h = 0, and vanishes where that ends.
+    if (told.bend * size * size <= 1e-19 * scale * determinant || (i > 5 && size <= 1e-14 * scale)) {
+      if (!(determinant > least_determinant)) return false;
       break;
     }
     if (i == 20 || !(size < 1e3)) return false;
-    before = size;
   }
   const double cc = c.squaredNorm(), root = std::sqrt(1 + cc), inverse_root = 1 / root;
-  turn_attitude(
+  const Quaternion turn = change_of(
       x.q, {-cc / (root * (1 + root)), c.x() * inverse_root, c.y() * inverse_root, c.z() * inverse_root});
+  add(x.q.w(), turn.w(), lost.q.w());
+  add(x.q.x(), turn.x(), lost.q.x());
+  add(x.q.y(), turn.y(), lost.q.y());
+  add(x.q.z(), turn.z(), lost.q.z());
   const double factor = -4 / (h * (1 + cc));
-  x.m = Vec3(m.x() + factor * d.x() * c.y() * c.z(), m.y() + factor * d.y() * c.z() * c.x(),
-             m.z() + factor * d.z() * c.x() * c.y());
+  add(x.m.x(), factor * (d.x() * (c.y() * c.z())), lost.m.x());
+  add(x.m.y(), factor * (d.y() * (c.z() * c.x())), lost.m.y());
+  add(x.m.z(), factor * (d.z() * (c.x() * c.y())), lost.m.z());
   return true;
 }
 
@@ -195,7 +247,7 @@ class FreeStep {
       if (const char* why = tell(moments, inverse, x.m, h, powers)) return why;
       h_ = h;
     }
-    return take_step(x, told_, h) ? nullptr : no_solution;
+    return take_step(x, lost_, told_, h) ? nullptr : no_solution;
   }
 
  private:
@@ -203,27 +255,26 @@ class FreeStep {
       "the discrete Moser-Veselov equation has no solution for so long a step";
 
   const char* tell(const Vec3& moments, const Vec3& inverse, const Vec3& m, double h, int powers) {
-    if (h_ == 0 && powers != 0) series_ = Series(moments, powers > 0 ? powers : most_powers);
     if (powers == 0) {
-      told_ = {inverse, moments};
+      told_ = Told(inverse, moments, h, m);
       return nullptr;
     }
+    if (h_ == 0) series_ = Series(moments, powers > 0 ? powers : most_powers);
     const double C = 0.5 * m.squaredNorm(), H = 0.5 * m.dot(product(inverse, m));
-    const double longest = h * std::sqrt(2 * C) * inverse.maxCoeff();
+    const double longest = std::abs(h) * std::sqrt(2 * C) * inverse.maxCoeff();
     // Below 0.02 the series of order 10 misses 1e-17, and small angles would cost the quotients their digits.
-    if (powers > 0 || std::abs(longest) < 0.02)
-      told_.inverse = series_.inverse(inverse, H, C, h);
-    else
-      told_.inverse = exact_inverse(moments, m, h);
-    if (!(told_.inverse.minCoeff() > 0) || !told_.inverse.allFinite())
+    const Vec3 told =
+        powers > 0 || longest < 0.02 ? series_.inverse(inverse, H, C, h) : exact_inverse(moments, m, h);
+    if (!(told.minCoeff() > 0) || !told.allFinite())
       return powers > 0 ? "the series of the preprocessed moments does not converge for so long a step"
                         : no_solution;
-    told_.moments = told_.inverse.cwiseInverse();
+    told_ = Told(told, told.cwiseInverse(), h, m);
     return nullptr;
   }
 
   double h_ = 0;
   Told told_;
+  Lost lost_;
   Series series_;
 };
 
