@@ -113,31 +113,45 @@ template <Angles angles>
   by.turn_back(x.m[next], x.m[last]);
 }
 
-/// The free motion as a symmetric top about axis 1, with moments I1, I2, I2, and the rest, which is a turn
-/// about axis 3 by (1/I3 - 1/I2) m3.
+/// The free motion as a symmetric top about one axis (here the first of three in cyclic order), with moments
+/// I1, I2, I2, and the rest, which is a turn about the third axis by (1/I3 - 1/I2) m3.
+template <int first>
 struct SymmetricTop {
+  static constexpr int second = (first + 1) % 3, third = (first + 2) % 3;
+
+  template <Angles angles>
+  [[gnu::always_inline]] static void turn_rest(Spinning& x, const Vec3& inverse, double h) {
+    turn_about<angles>(x, third, inverse[third] - inverse[second], h);
+  }
+  template <Angles angles>
+  [[gnu::always_inline]] static void turn_as_top(Spinning& x, const Vec3& inverse, double h) {
+    // As a whole with L/I2, and about the first axis with (1/I1 - 1/I2) m1; the former leaves L where it is.
+    const double half = 0.5 * h * inverse[second];
+    const double along = half * x.m[first], y = half * x.m[second], z = half * x.m[third];
+    const HalfAngle<angles> f(along * along + (y * y + z * z));
+    const double a = f.sinc * along, b = f.sinc * y, c = f.sinc * z;
+    const AxisTurn<angles> own(0.5 * h * (inverse[first] - inverse[second]) * x.m[first]);
+    const double w = f.cosine_less_one, v = own.cosine_less_one, s = own.sine;
+    const double turn[] = {(a + s) + (a * v + w * s), b + (b * v + c * s), c + (c * v - b * s)};
+    turn_attitude(x.q,
+                  {(w + v) + (w * v - a * s), turn[(3 - first) % 3], turn[(4 - first) % 3], turn[2 - first]});
+    own.turn_back(x.m[second], x.m[third]);
+  }
   /// The rest for a time, the top, the rest.
   template <Angles angles>
   [[gnu::always_inline]] static void flow(Spinning& x, const Vec3& inverse, double before, double top,
                                           double after) {
-    const double rest = inverse.z() - inverse.y();
-    turn_about<angles>(x, 2, rest, before);
+    turn_rest<angles>(x, inverse, before);
     turn_as_top<angles>(x, inverse, top);
-    turn_about<angles>(x, 2, rest, after);
-  }
-  template <Angles angles>
-  [[gnu::always_inline]] static void turn_as_top(Spinning& x, const Vec3& inverse, double h) {
-    // As a whole with L/I2, and about axis 1 with (1/I1 - 1/I2) m1; the former leaves L where it is.
-    const double half = 0.5 * h * inverse.y();
-    const Vec3 angle(half * x.m.x(), half * x.m.y(), half * x.m.z());
-    const HalfAngle<angles> f(angle.x() * angle.x() + (angle.y() * angle.y() + angle.z() * angle.z()));
-    const double a = f.sinc * angle.x(), b = f.sinc * angle.y(), c = f.sinc * angle.z();
-    const AxisTurn<angles> own(0.5 * h * (inverse.x() - inverse.y()) * x.m.x());
-    const double w = f.cosine_less_one, v = own.cosine_less_one, s = own.sine;
-    turn_attitude(x.q, {(w + v) + (w * v - a * s), (a + s) + (a * v + w * s), b + (b * v + c * s),
-                        c + (c * v - b * s)});
-    own.turn_back(x.m.y(), x.m.z());
+    turn_rest<angles>(x, inverse, after);
   }
 };
+
+/// The first axis of the top that leaves the least rest: the inverses of the other two moments are nearest.
+[[gnu::always_inline]] inline int nearest_top(const Vec3& inverse) {
+  const double x = std::abs(inverse.y() - inverse.z()), y = std::abs(inverse.z() - inverse.x()),
+               z = std::abs(inverse.x() - inverse.y());
+  return x <= y && x <= z ? 0 : y <= z ? 1 : 2;
+}
 
 }  // namespace polhode
