@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Pair{"splitting-13231", "strang_13231"}, Pair{"splitting-21312", "strang_21312"},
                     Pair{"splitting-23132", "strang_23132"}, Pair{"splitting-31213", "strang_31213"},
                     // RATTLE takes the steps of the discrete Moser-Veselov equation.
-                    Pair{"rattle", "dmv2"}),
+                    Pair{"rattle", "dmv2"}, Pair{"dmv2", "dmv2"}, Pair{"dmv4", "dmv4"}),
     [](const testing::TestParamInfo<Pair>& row) {
       std::string name(row.param.ours);
       std::replace(name.begin(), name.end(), '-', '_');
