@@ -1,9 +1,9 @@
 // Discrete Moser-Veselov: the discrete free rigid body that is integrable like the continuous one.
 //
 // With (rho_0, rho) the unit quaternion of a step and Ih_i the moments that the step is told,
-//   h m_i = 2 Ih_i rho_0 rho_i + 2 (Ih_k - Ih_j) rho_j rho_k   (i, j, k cyclic),   q <- q rho,  m <- rho* m
-//   rho.
-// Energy and momentum of the free body, both, are kept to rounding; |q| = 1, symmetric, reversible.
+//   h m_i = 2 Ih_i rho_0 rho_i + 2 (Ih_k - Ih_j) rho_j rho_k   (i, j, k cyclic)
+// and q <- q rho, m <- rho* m rho. Energy and momentum of the free body, both, are kept to rounding; |q| = 1,
+// symmetric, reversible.
 //
 //   dmv2            Ih = I: order 2
 //   dmv4 ... 10     1/Ih = (1 + sigma)/I + delta, two scalars, series in h^2 of the energy H and C = |m|^2/2
@@ -19,11 +19,12 @@
 // at a finite h, at the point of the curve where the momentum about the middle axis vanishes: the step about
 // it has rho_mid = 0, and two quotients remain, Ih_i = h m_i/(2 rho_0 rho_i).
 //
-// The equation for rho has solutions while h |w| stays below about one (dmv2; half a radian more if
-// preprocessed): Newton's method, and beyond the end solver_failed. A torque is a kick (solvers/kicks.hpp) at
-// both ends of the step and makes the order 2 in all rows; the scalars are then found anew at each step.
-// Sources: Moser & Veselov, Commun. Math. Phys. 139 (1991), 217; Hairer & Vilmart, J. Phys. A 39 (2006),
-// 13225.
+// The equation for rho has a solution that begins at h = 0 while h |w| stays below about one (dmv2), or the
+// turn of a step below about a right angle (dmv-exact): Newton's method, and solver_failed where the
+// determinant of the equation is near zero or the iteration does not end. The truncated series lose their
+// meaning there too. The free body's sums are compensated. A torque is a kick (solvers/kicks.hpp) at both
+// ends of the step and makes the order 2 in all rows; the scalars are then found anew at each step. Sources:
+// Moser & Veselov, Commun. Math. Phys. 139 (1991), 217; Hairer & Vilmart, J. Phys. A 39 (2006), 13225.
 #include "models/free_rotation.hpp"
 #include "solvers/kicks.hpp"
 
@@ -102,12 +103,13 @@ class Series {
 
 /// The moments of steps of one length on one curve.
 struct Told {
-  Vec3 inverse, moments;  // 1/Ih, Ih
+  Vec3 inverse, moments;    // 1/Ih, Ih
+  double over_product = 1;  // 1/(Ih_1 Ih_2 Ih_3)
   double bend = 0;  // how far the equation for c is from linear: Newton's error e becomes about bend e^2
 
   Told() = default;
   Told(const Vec3& inverse_moments, const Vec3& given, double h, const Vec3& m)
-      : inverse(inverse_moments), moments(given) {
+      : inverse(inverse_moments), moments(given), over_product(1 / given.prod()) {
     bend = ((moments.maxCoeff() - moments.minCoeff()) + 2 * std::abs(h) * m.norm()) / moments.minCoeff();
   }
 };
@@ -121,7 +123,7 @@ struct StepEquation {
   StepEquation(const Vec3& I, const Vec3& m, double h)
       : moments(I), differences(I.z() - I.y(), I.x() - I.z(), I.y() - I.x()), hm(h * m) {}
 
-  /// Determinant of the derivative over the product of the moments: one for a small step, zero where the
+  /// Returns the determinant of the derivative: the product of the moments for a small step, zero where the
   /// solution ends.
   [[gnu::always_inline]] double correction(const Vec3& c, Vec3& change) const {
     const Vec3 &I = moments, &d = differences;
@@ -138,7 +140,7 @@ struct StepEquation {
     change = Vec3(scale * (F.x() * a.x() + (F.y() * b.x() + F.z() * e.x())),
                   scale * (F.x() * a.y() + (F.y() * b.y() + F.z() * e.y())),
                   scale * (F.x() * a.z() + (F.y() * b.z() + F.z() * e.z())));
-    return determinant / (I.x() * I.y() * I.z());
+    return determinant;
   }
 };
 
@@ -183,7 +185,8 @@ Vec3 exact_inverse(const Vec3& moments, const Vec3& m, double h) {
       momentum(static_cast<double>(a * half.w_B.x()), -static_cast<double>(b * half.w_B.y()),
                static_cast<double>(c * half.w_B.z()));
   Vec3 unused;
-  const double determinant = StepEquation(sorted.cwiseInverse(), momentum, h).correction(c_half, unused);
+  const double determinant =
+      sorted.prod() * StepEquation(sorted.cwiseInverse(), momentum, h).correction(c_half, unused);
   if (!(determinant > least_determinant && determinant < 4)) return Vec3::Zero();
   Vec3 inverse;
   for (int i = 0; i < 3; ++i) inverse[axis[static_cast<std::size_t>(i)]] = sorted[i];
@@ -214,7 +217,7 @@ bool take_step(Spinning& x, Lost& lost, const Told& told, double h) {
   Vec3 c = s * (ss < 0.01 ? 1 + ss : 2 / (1 + std::sqrt(std::max(0.0, 1 - 4 * ss))));
   for (int i = 0;; ++i) {
     Vec3 change;
-    const double determinant = equation.correction(c, change);
+    const double determinant = told.over_product * equation.correction(c, change);
     c -= change;
     const double size = change.cwiseAbs().maxCoeff(), scale = c.cwiseAbs().maxCoeff() + 1e-300;
     // The determinant is positive on the branch that begins at h = 0, and vanishes where that ends.
