@@ -1,10 +1,12 @@
-// The form of state of the splittings: attitude, and the angular momentum in the body instead of the rates.
+// Attitude, and the angular momentum in the body instead of the rates: the state of discrete Moser-Veselov
+// steps, whose sums are compensated, and what splittings step within a step.
 //
 // What carries L along keeps it to rounding only if L itself is what it stores: I (L/I) is not L in the last
 // digit, and the same way at each step.
 #pragma once
 #include "solvers/fixed_step.hpp"
 #include "solvers/free_motion.hpp"
+#include "solvers/momentum_form.hpp"
 
 namespace polhode {
 
@@ -64,6 +66,22 @@ template <WithAttitude M>
     }
   }
   return next;
+}
+
+/// The same from a state of MomentumForm, for motions that have L in the body within a step alone.
+template <WithAttitude M>
+[[gnu::always_inline]] inline Spinning spinning_in(const M&, const typename M::State& y) {
+  const Spinning x = spinning_of(y);
+  return {x.q, to_body<double>(x.q, x.m)};
+}
+/// Back to it: where nothing turns the body its L is what it was, to the last bit.
+template <WithAttitude M>
+[[gnu::always_inline]] inline typename M::State spun_in_space(const M& m, double h,
+                                                              const typename M::State& y, const Spinning& x) {
+  if constexpr (M::Rotating::has_load)
+    return spun(m, h, y, {x.q, to_space<double>(x.q, x.m)});
+  else
+    return spun(m, h, y, {x.q, spinning_of(y).m});
 }
 
 }  // namespace polhode

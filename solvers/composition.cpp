@@ -181,7 +181,7 @@ template <class Free>
 }
 
 template <class Free>
-struct Composed : BodyMomentumForm {
+struct Composed : MomentumForm {
   const Composition* choice = nullptr;
   std::int64_t rhs_evals = 0;  // torques
   Kicks kicks;
@@ -190,7 +190,7 @@ struct Composed : BodyMomentumForm {
   [[gnu::always_inline]] typename M::State step(const M& m, double t, double h, const typename M::State& y) {
     const Composition& c = *choice;
     const Vec3 &moments = m.rotation.moments(), &inverse = m.rotation.inverse_moments();
-    Spinning x = spinning_of(y);
+    Spinning x = spinning_in(m, y);
     if constexpr (M::Rotating::has_load) {
       kicks.set_up(m, y, h, std::span(c.kick).first(c.stages + 1));
       double part = 0;  // of h, gone by
@@ -204,7 +204,7 @@ struct Composed : BodyMomentumForm {
     } else {
       step_of<Free>(x, moments, inverse, h, c);
     }
-    return spun(m, h, y, x);
+    return spun_in_space(m, h, y, x);
   }
 };
 

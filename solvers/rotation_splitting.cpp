@@ -84,7 +84,7 @@ template <>
 }
 
 template <class Free>
-struct RotationSplitting : BodyMomentumForm {
+struct RotationSplitting : MomentumForm {
   std::int64_t rhs_evals = 0;  // torques
   Kicks kicks;
 
@@ -93,7 +93,7 @@ struct RotationSplitting : BodyMomentumForm {
     constexpr double half[] = {0.5};
     kicks.set_up(m, y, h, half);
     const Vec3& inverse = m.rotation.inverse_moments();
-    Spinning x = spinning_of(y);
+    Spinning x = spinning_in(m, y);
     kicks.kick(m, t, x.q, x.m, 0, 0.5 * h);
     if constexpr (M::Rotating::has_load || M::has_translation)
       call_flow<Free>(x, inverse, h);
@@ -101,7 +101,7 @@ struct RotationSplitting : BodyMomentumForm {
       flow<Free>(x, inverse, h);
     kicks.kick(m, t + h, x.q, x.m, 0, 0.5 * h);
     if constexpr (M::Rotating::has_load) rhs_evals += 2;
-    return spun(m, h, y, x);
+    return spun_in_space(m, h, y, x);
   }
 };
 

@@ -22,12 +22,12 @@ Trajectory run_steps(const std::string& id, const Scene& scene, double duration,
   return run_once(find_method(id), scene, setting, grid);
 }
 
-FreeRotation<double> motion_of(const Scene& scene) {
+ExtendedFreeRotation motion_of(const Scene& scene) {
   return ExtendedFreeRotation(scene.rotation->moments, scene.rotation->q0, scene.rotation->w0);
 }
 
 /// Attitude [rad] or relative rate, whichever is further off.
-double error_of(const FreeRotation<double>& motion, const Sample& s) {
+double error_of(const ExtendedFreeRotation& motion, const Sample& s) {
   const auto exact = motion.at(s.t);
   return std::max(attitude_error(exact.q, s.q), (exact.w_B - s.w_B).norm() / exact.w_B.norm());
 }
