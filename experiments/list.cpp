@@ -1,4 +1,6 @@
 // `list`: what there is, from the registries.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -61,18 +63,27 @@ std::string list_solvers(const Options& options) {
                      {"missing", e.missing}});
     return j.dump(2) + "\n";
   }
-  std::string out = fmt::format("{:<30} {:<14} {:<11} {:<23} {:<10} {}\n", "solver", "family", "knob",
-                                "order att/rate/E/L", "unit |q|", "what it does");
+  std::size_t id_width = 0, family_width = 0;
+  for (const Method* m : methods) {
+    id_width = std::max(id_width, m->id.size());
+    family_width = std::max(family_width, m->family.size());
+  }
+  const auto line = [&](auto id, auto family, auto knob, auto orders, auto unit, auto summary) {
+    return fmt::format("{:<{}}  {:<{}}  {:<11}  {:<7}  {:<8}  {}\n", id, id_width, family, family_width, knob,
+                       orders, unit, summary);
+  };
+  // The other claims are in --json.
+  std::string out = line("solver", "family", "knob", "order", "unit |q|", "what it does");
   for (const Method* m : methods) {
     const Claims& c = m->claims;
-    out += fmt::format("{:<30} {:<14} {:<11} {:<23} {:<10} {}\n", m->id, m->family,
-                       m->by_steps && m->by_tolerance ? "rtol, steps" : name_of(m->default_knob()),
-                       fmt::format("{} {} {} {}", order_text(c.attitude_order), order_text(c.rate_order),
-                                   order_text(c.energy_order), order_text(c.momentum_order)),
-                       claim_text(c.unit_attitude), m->summary);
+    out += line(m->id, m->family, m->by_steps && m->by_tolerance ? "rtol, steps" : name_of(m->default_knob()),
+                fmt::format("{} {} {} {}", order_text(c.attitude_order), order_text(c.rate_order),
+                            order_text(c.energy_order), order_text(c.momentum_order)),
+                claim_text(c.unit_attitude), m->summary);
   }
   for (const EngineStatus& e : all_engines())
-    if (!e.available) out += fmt::format("{:<30} {}\n", e.id + "-*", e.missing);
+    if (!e.available) out += fmt::format("{:<{}}  {}\n", e.id + "-*", id_width, e.missing);
+  out += "\norder: of attitude, rates, energy and momentum in the step size; - : none is claimed\n";
   return out;
 }
 

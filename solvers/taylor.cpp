@@ -151,7 +151,7 @@ int order_for(double tolerance, int most) {
 /// By the recurrences written by hand.
 class TaylorByHand final : public AdaptiveSteps {
  public:
-  TaylorByHand(const Scene& scene, TaylorBody body, const Setting& setting)
+  TaylorByHand(const Scene& scene, const TaylorBody& body, const Setting& setting)
       : body_(body), kernel_(*taylor_kernels().back()), model_(erased_model(scene)) {
     body_.rtol = setting.rtol;
     body_.atol = setting.absolute_tolerance();
