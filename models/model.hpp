@@ -67,6 +67,13 @@ auto make_general_rotation(const RotationData& r) {
   return model_parts::make_rotation<S, SeveralTorques, Shape::any, attitude>(r);
 }
 
+/// Has what most scenes are a type of its own? Sanitizer builds, which take twice as long, do without.
+#ifdef POLHODE_FEW_TYPES
+inline constexpr bool every_type = false;
+#else
+inline constexpr bool every_type = true;
+#endif
+
 /// Calls f(model) with the smallest model of the scene and returns what f returns.
 ///
 /// What most scenes are has a type of its own: the free body, the sphere, one load alone. The rest shares the
@@ -79,8 +86,9 @@ decltype(auto) with_model(const Scene& scene, F&& f) {
     return f(make_model<S>(scene, std::move(rotation), std::move(translation)));
   };
   const auto& t = scene.translation;
-  if (!scene.rotation)
-    return t->has_force ? call(NoRotation{}, make_forced<S>(*t)) : call(NoRotation{}, make_unforced<S>(*t));
+  if constexpr (every_type)
+    if (t && !t->has_force && !scene.rotation) return call(NoRotation{}, make_unforced<S>(*t));
+  if (!scene.rotation) return call(NoRotation{}, make_forced<S>(*t));
 
   const RotationData& r = *scene.rotation;
   const bool round = r.moments.x() == r.moments.y() && r.moments.y() == r.moments.z();
@@ -90,20 +98,22 @@ decltype(auto) with_model(const Scene& scene, F&& f) {
                 : call(make_general_rotation<S, AttitudePart::absent>(r), NoTranslation{});
   if (t) {
     if (!free || round) return call(make_general_rotation<S>(r), make_forced<S>(*t));
-    return t->has_force ? call(make_rotation<S, Free>(r), make_forced<S>(*t))
-                        : call(make_rotation<S, Free>(r), make_unforced<S>(*t));
+    if constexpr (every_type)
+      if (!t->has_force) return call(make_rotation<S, Free>(r), make_unforced<S>(*t));
+    return call(make_rotation<S, Free>(r), make_forced<S>(*t));
   }
-  if (free)
-    return round ? call(make_rotation<S, Free, Shape::spherical>(r), NoTranslation{})
-                 : call(make_rotation<S, Free>(r), NoTranslation{});
-  if (!round && r.loads.size() == 1) {
-    if (std::holds_alternative<GravityAboutPivot<S>>(r.loads.front()))
-      return call(make_rotation<S, GravityAboutPivot>(r), NoTranslation{});
-    if (std::holds_alternative<AngularDrag<S>>(r.loads.front()))
-      return call(make_rotation<S, AngularDrag>(r), NoTranslation{});
-    if (std::holds_alternative<AttitudeSpring<S>>(r.loads.front()))
-      return call(make_rotation<S, AttitudeSpring>(r), NoTranslation{});
+  if constexpr (every_type) {
+    if (free && round) return call(make_rotation<S, Free, Shape::spherical>(r), NoTranslation{});
+    if (!round && r.loads.size() == 1) {
+      if (std::holds_alternative<GravityAboutPivot<S>>(r.loads.front()))
+        return call(make_rotation<S, GravityAboutPivot>(r), NoTranslation{});
+      if (std::holds_alternative<AngularDrag<S>>(r.loads.front()))
+        return call(make_rotation<S, AngularDrag>(r), NoTranslation{});
+      if (std::holds_alternative<AttitudeSpring<S>>(r.loads.front()))
+        return call(make_rotation<S, AttitudeSpring>(r), NoTranslation{});
+    }
   }
+  if (free) return call(make_rotation<S, Free>(r), NoTranslation{});
   return call(make_general_rotation<S>(r), NoTranslation{});
 }
 

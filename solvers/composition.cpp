@@ -267,7 +267,7 @@ constinit const Method rows[] = {
     free_flow<kahan_li6>("free-flow-kahan-li6", "nine steps of free-flow-split, order 6", by_kahan_li, 6),
     free_flow<blanes_moan6>("free-flow-blanes-moan6", "partitioned splitting S10 of free motion and kicks",
                             by_blanes_moan, 6),
-    free_flow<kahan_li8>("free-flow-kahan-li8", "17 steps of free-flow-split, order 8", by_kahan_li, 8, true),
+    free_flow<kahan_li8>("free-flow-kahan-li8", "17 steps of free-flow-split, order 8", by_kahan_li, 8),
     free_flow<sofroniou_spaletta10>("free-flow-ss10", "35 steps of free-flow-split, order 10",
                                     by_sofroniou_spaletta, too_steep),
 };

@@ -153,7 +153,7 @@ constexpr Claims on_the_sphere = [] {
 }();
 
 constexpr Method row(std::string_view id, std::string_view summary, std::string_view source,
-                     Prepared (*prepare)(const Scene&, const Setting&), bool in_studies = false,
+                     Prepared (*prepare)(const Scene&, const Setting&),
                      const Claims& claims = keeps_nothing) {
   return {.id = id,
           .family = "SUNDIALS CVODE",
@@ -161,18 +161,18 @@ constexpr Method row(std::string_view id, std::string_view summary, std::string_
           .source = source,
           .version = sundials_version,
           .by_tolerance = true,
-          .in_studies = in_studies,
+          .in_studies = false,
           .claims = claims,
           .prepare = prepare};
 }
 
 constinit const Method rows[] = {
     row("cvode-adams-renormalised", "Adams-Moulton on (q, w_B), q of each sample divided by its length",
-        cvode_source, adams_renormalised, true, on_the_sphere),
+        cvode_source, adams_renormalised, on_the_sphere),
     row("cvode-adams-norm-feedback", "Adams-Moulton on (q, w_B) with q' = q w/2 + k (1 - |q|^2) q",
         "Corbett & Wright, WADC TR 57-425 (1957); Phillips, Hailey & Gebert, J. Aircraft 38 (2001), 718",
-        adams_norm_feedback, true),
-    row("cvode-adams-matrix", "Adams-Moulton on (R, w_S), twelve numbers", cvode_source, adams_matrix, true),
+        adams_norm_feedback),
+    row("cvode-adams-matrix", "Adams-Moulton on (R, w_S), twelve numbers", cvode_source, adams_matrix),
     row("cvode-bdf-stability-limit", "cvode-bdf with CVODE's detection of stability limits",
         "Hindmarsh, LLNL UCRL-JC-118465 (1995)", chosen<stability_limit>),
     row("cvode-bdf-differences", "cvode-bdf with the Jacobian from difference quotients", cvode_source,

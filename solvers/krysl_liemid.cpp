@@ -100,6 +100,7 @@ constinit const Method rows[] = {
      .summary = "LIEMID[I]: turn by the rates of the momentum carried to the middle, torque there",
      .source = source,
      .by_steps = true,
+     .in_studies = false,
      .claims = claims,
      .prepare = run_fixed_step<ImplicitMiddle>},
 };
