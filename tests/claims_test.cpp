@@ -61,6 +61,10 @@ double coarse_step(const Method& m) {
 }
 
 TEST_P(Claims, OrdersAreMeasured) {
+  const int claimed = (claims().attitude_order >= 0) + (claims().rate_order >= 0) +
+                      (claims().energy_order >= 0) + (claims().momentum_order >= 0);
+  EXPECT_TRUE(method().by_steps || claimed == 0) << "an order is claimed that no knob can measure";
+  if (claimed == 0) return;
   Plan plan;
   plan.scenes = {read_scene(std::string(POLHODE_TESTS) + "/scenes/claims.toml")};
   plan.methods = {GetParam()};
@@ -77,10 +81,7 @@ TEST_P(Claims, OrdersAreMeasured) {
     EXPECT_NEAR(std::get<double>(row[4]), std::get<double>(row[3]), 0.15) << quantity;
     ++measured;
   }
-  const int claimed = (claims().attitude_order >= 0) + (claims().rate_order >= 0) +
-                      (claims().energy_order >= 0) + (claims().momentum_order >= 0);
-  EXPECT_EQ(measured, method().by_steps ? claimed : 0);
-  EXPECT_TRUE(method().by_steps || claimed == 0) << "an order is claimed that no knob can measure";
+  EXPECT_EQ(measured, claimed);
 }
 
 TEST_P(Claims, AttitudeOfUnitLength) {
