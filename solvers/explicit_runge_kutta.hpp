@@ -226,12 +226,33 @@ inline double trial_step(std::span<const double> y, std::span<const double> d,
   return h < 100 * euler_step ? h : 100 * euler_step;
 }
 
-/// A controlled run.
-template <class Formula, AnyModel M>
-class ExplicitAdaptive final : public AdaptiveSteps {
+/// What controlled runs on pairs share: state, first trial, the loop around Self::try_step(p), which takes
+/// one trial step and returns false to give up.
+template <class Self, AnyModel M>
+class TrialSteps : public AdaptiveSteps {
  public:
   static constexpr int n = M::size;
-  ExplicitAdaptive(M model, const Setting& setting)
+  void cruise(double t_stop, std::int64_t limit, Progress& p) override {
+    while (p.t + p.h < t_stop && p.attempts < limit)
+      if (!self().try_step(p)) break;
+  }
+  bool attempt(Progress& p) override {
+    before_ = y_;
+    h_ = p.h;
+    const std::int64_t accepted = p.accepted;
+    self().try_step(p);
+    return p.accepted > accepted;
+  }
+  Sample sample(double t) const override { return sample_of(t, y_); }
+  bool is_finite() const override {
+    typename M::State y;
+    copy_to<n>(y.data(), y_);
+    return all_finite(y);
+  }
+
+ protected:
+  /// order   that of the formula whose first step is sought
+  TrialSteps(M model, const Setting& setting, int order)
       : model_(std::move(model)),
         atol_(setting.absolute_tolerance()),
         rtol_(setting.rtol),
@@ -242,30 +263,48 @@ class ExplicitAdaptive final : public AdaptiveSteps {
     if (first_ > 0) {
       for (std::size_t i = 0; i < y.size(); ++i) y[i] += first_ * d[i];
       model_.rhs(first_, y.data(), d_euler.data());
-      first_ = trial_step(model_.initial, d, d_euler, first_, Formula::order, setting);
+      first_ = trial_step(model_.initial, d, d_euler, first_, order, setting);
     }
   }
-
-  void restart(double t_end, Progress& p) override {
+  void back_to_start(double t_end, Progress& p) {
     y_ = pairs_of<n>(model_.initial.data());
-    control_.restart();
-    first_known_ = false;
     p.rhs_evals = 2;  // of the first step
     p.h = first_ > 0 ? std::min(first_, t_end) : 1e-6 * t_end;
   }
-  void cruise(double t_stop, std::int64_t limit, Progress& p) override {
-    while (p.t + p.h < t_stop && p.attempts < limit)
-      if (!try_step(p)) break;
+  Sample sample_of(double t, const Pairs<n>& x) const {
+    typename M::State y;
+    copy_to<n>(y.data(), x);
+    return observe(model_, t, y.data());
+  }
+
+  M model_;
+  double atol_, rtol_, first_ = 0, h_ = 0;  // h_: of the last attempt
+  Pairs<n> y_, before_{};
+
+ private:
+  Self& self() { return static_cast<Self&>(*this); }
+};
+
+/// A controlled run.
+template <class Formula, AnyModel M>
+class ExplicitAdaptive final : public TrialSteps<ExplicitAdaptive<Formula, M>, M> {
+  using Base = TrialSteps<ExplicitAdaptive, M>;
+  friend Base;
+  using Base::model_, Base::atol_, Base::rtol_, Base::h_, Base::y_, Base::before_, Base::sample_of;
+
+ public:
+  static constexpr int n = M::size;
+  ExplicitAdaptive(M model, const Setting& setting) : Base(std::move(model), setting, Formula::order) {}
+
+  void restart(double t_end, Progress& p) override {
+    Base::back_to_start(t_end, p);
+    control_.restart();
+    first_known_ = false;
   }
   bool attempt(Progress& p) override {
-    before_ = y_;
-    h_ = p.h;
     dense_ready_ = false;
-    const std::int64_t accepted = p.accepted;
-    try_step(p);
-    return p.accepted > accepted;
+    return Base::attempt(p);
   }
-  Sample sample(double t) const override { return sample_of(t, y_); }
   bool sample_within(double t_start, double t, Sample& out) override {
     if constexpr (requires { typename Formula::template DenseOutput<n>; }) {
       if (!dense_ready_) dense_.prepare(model_, t_start, h_, before_, y_, k_);
@@ -277,11 +316,6 @@ class ExplicitAdaptive final : public AdaptiveSteps {
                                                                         false, false, k)));
     }
     return true;
-  }
-  bool is_finite() const override {
-    typename M::State y;
-    copy_to<n>(y.data(), y_);
-    return all_finite(y);
   }
 
  private:
@@ -309,17 +343,8 @@ class ExplicitAdaptive final : public AdaptiveSteps {
     }
     return p.tell(t, h, good);
   }
-  Sample sample_of(double t, const Pairs<n>& x) const {
-    typename M::State y;
-    copy_to<n>(y.data(), x);
-    return observe(model_, t, y.data());
-  }
-
-  M model_;
-  double atol_, rtol_, first_ = 0, h_ = 0;
   StepControl control_{Formula::error_order};
   bool first_known_ = false, dense_ready_ = false;
-  Pairs<n> y_, before_{};
   Pairs<n> k_[Formula::stages]{};
   [[no_unique_address]] decltype(dense_output()) dense_;
 };

@@ -117,9 +117,12 @@ struct GbsFixed : QuaternionForm {
 /// Rows and step sizes: what ODEX does, for any model.
 class OrderControl {
  public:
+  /// A row more for every 1.7 digits.
+  static int first_target(double rtol) {
+    return std::clamp(static_cast<int>(std::lround(-0.6 * std::log10(rtol))), 2, most_rows - 2);
+  }
   void restart(double rtol) {
-    // A row more for every 1.7 digits.
-    target_ = std::clamp(static_cast<int>(std::lround(-0.6 * std::log10(rtol))), 2, most_rows - 2);
+    target_ = first_target(rtol);
     rejected_ = false;
   }
   int target() const { return target_; }
@@ -177,51 +180,24 @@ class OrderControl {
 };
 
 template <AnyModel M>
-class GbsAdaptive final : public AdaptiveSteps {
+class GbsAdaptive final : public TrialSteps<GbsAdaptive<M>, M> {
+  using Base = TrialSteps<GbsAdaptive, M>;
+  friend Base;
+  using Base::model_, Base::atol_, Base::rtol_, Base::y_, Base::before_, Base::sample_of;
+
  public:
   static constexpr int n = M::size;
   GbsAdaptive(M model, const Setting& setting)
-      : model_(std::move(model)),
-        atol_(setting.absolute_tolerance()),
-        rtol_(setting.rtol),
-        y_(pairs_of<n>(model_.initial.data())) {
-    typename M::State d, d_euler, y = model_.initial;
-    model_.rhs(0.0, y.data(), d.data());
-    first_ = first_step(y, d, setting);
-    if (first_ > 0) {
-      for (std::size_t i = 0; i < y.size(); ++i) y[i] += first_ * d[i];
-      model_.rhs(first_, y.data(), d_euler.data());
-      control_.restart(rtol_);
-      first_ = trial_step(model_.initial, d, d_euler, first_, 2 * control_.target(), setting);
-    }
-  }
+      : Base(std::move(model), setting, 2 * OrderControl::first_target(setting.rtol)) {}
 
   void restart(double t_end, Progress& p) override {
-    y_ = pairs_of<n>(model_.initial.data());
+    Base::back_to_start(t_end, p);
     control_.restart(rtol_);
     slope_known_ = false;
-    p.rhs_evals = 2;  // of the first step
-    p.h = first_ > 0 ? std::min(first_, t_end) : 1e-6 * t_end;
   }
-  void cruise(double t_stop, std::int64_t limit, Progress& p) override {
-    while (p.t + p.h < t_stop && p.attempts < limit)
-      if (!try_step(p)) break;
-  }
-  bool attempt(Progress& p) override {
-    before_ = y_;
-    const std::int64_t accepted = p.accepted;
-    try_step(p);
-    return p.accepted > accepted;
-  }
-  Sample sample(double t) const override { return sample_of(t, y_); }
   bool sample_within(double t_start, double t, Sample& out) override {
     out = sample_of(t, extrapolated_step(model_, t_start, t - t_start, before_, rows_));
     return true;
-  }
-  bool is_finite() const override {
-    typename M::State y;
-    copy_to<n>(y.data(), y_);
-    return all_finite(y);
   }
 
  private:
@@ -257,18 +233,10 @@ class GbsAdaptive final : public AdaptiveSteps {
     }
     return p.tell(t, H, good);
   }
-  Sample sample_of(double t, const Pairs<n>& x) const {
-    typename M::State y;
-    copy_to<n>(y.data(), x);
-    return observe(model_, t, y.data());
-  }
-
-  M model_;
-  double atol_, rtol_, first_ = 0;
   OrderControl control_;
   bool slope_known_ = false;
   int rows_ = 1;
-  Pairs<n> y_, before_{}, slope_{};
+  Pairs<n> slope_{};
   Extrapolation<n> table_;
 };
 
