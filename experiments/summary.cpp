@@ -1,7 +1,8 @@
 // The verdict table on the terminal.
 #include "experiments/summary.hpp"
 
-#include <map>
+#include <algorithm>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -18,6 +19,20 @@ std::string duration_text(double s) {
   return fmt::format("{:.3g} s", s);
 }
 
+/// Each column as wide as its widest cell.
+std::string in_columns(const std::vector<std::vector<std::string>>& lines) {
+  std::vector<std::size_t> widths(lines.front().size(), 0);
+  for (const auto& line : lines)
+    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
+  std::string out;
+  for (const auto& line : lines) {
+    for (std::size_t i = 0; i < line.size(); ++i)
+      out += i + 1 < line.size() ? fmt::format("{:<{}}  ", line[i], widths[i]) : line[i];
+    out += '\n';
+  }
+  return out;
+}
+
 }  // namespace
 
 std::string result_summary(const std::filesystem::path& folder, const std::string& place) {
@@ -25,30 +40,24 @@ std::string result_summary(const std::filesystem::path& folder, const std::strin
   std::string out;
   constexpr double levels[] = {1e-4, 1e-8, 1e-12};
   if (results.work_precision.rows() > 0) {
-    std::size_t width = 5;
-    for (const auto& s : results.scenes) width = std::max(width, s.id.size());
-    out += fmt::format("Cheapest solver to reach an error (CPU time of one run)\n\n{:{}}", "scene", width);
-    for (const double level : levels) out += fmt::format("  {:<34}", fmt::format("{:.0e}", level));
-    out += '\n';
+    std::vector<std::vector<std::string>> lines{{"scene"}};
+    for (const double level : levels) lines[0].push_back(fmt::format("{:.0e}", level));
     for (const auto& scene : results.scenes) {
       if (report::Results::rows_of(results.work_precision, scene.id).empty()) continue;
       const auto quantity = results.quantity_of(results.work_precision, scene.id);
-      out += fmt::format("{:{}}", scene.id, width);
+      lines.push_back({scene.id});
       for (const double level : levels) {
-        std::string cell;
         if (report::below_floor(scene, quantity, level)) {
-          cell = "below the rounding floor";
-        } else {
-          const auto ranked = report::ranking(results, scene, "time_min_s", level);
-          cell = ranked.empty()
-                     ? "none"
-                     : fmt::format("{}  {}", ranked.front().solver, duration_text(ranked.front().cost));
+          lines.back().emplace_back("below the rounding floor");
+          continue;
         }
-        out += fmt::format("  {:<34}", cell);
+        const auto ranked = report::ranking(results, scene, "time_min_s", level);
+        lines.back().push_back(ranked.empty() ? "none"
+                                              : fmt::format("{}  {}", ranked.front().solver,
+                                                            duration_text(ranked.front().cost)));
       }
-      out += '\n';
     }
-    out += '\n';
+    out += "Cheapest solver to reach an error (CPU time of one run)\n\n" + in_columns(lines) + '\n';
   }
   const auto say = [&out](const std::string& sentence) {
     if (!sentence.empty()) out += sentence + '\n';
