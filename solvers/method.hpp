@@ -114,13 +114,15 @@ struct Prepared {
 
 struct Method {
   std::string_view id = {}, family = {}, summary = {}, source = {}, version = {};
+  std::string_view settings = {};  // of a library: what is set on it beyond the knob, in words
   bool by_steps = false,
        by_tolerance = false;  // the knobs it has; a tolerance is the default where there is one
   double epsilon = std::numeric_limits<double>::epsilon();  // of the arithmetic that it steps in
   bool in_studies = true;  // false: only where it is asked for by name (it repeats another row's results)
   Claims claims = {};
-  std::span<const double> stability_polynomial =
-      {};  // coefficients of R(z) in ascending powers; empty: not polynomial
+  // On y' = lambda y a step multiplies by R(h lambda), here by its coefficients in ascending powers: a
+  // polynomial, or that over the denominator. Both empty: not a function of z alone, or not known.
+  std::span<const double> stability_polynomial = {}, stability_denominator = {};
   Prepared (*prepare)(const Scene&, const Setting&) = nullptr;
 
   Knob default_knob() const { return by_tolerance ? Knob::tolerance : by_steps ? Knob::steps : Knob::none; }
