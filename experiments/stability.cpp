@@ -114,19 +114,16 @@ std::vector<Table> stability(const Plan& plan) {
   };
   std::vector<Case> cases;
   for (const Scene& scene : plan.scenes) {
-    if (!scene.stiff) continue;
+    if (!scene.dial) continue;
     for (const Method* m : plan.methods)
       if (m->by_steps)
-        for (const double v : scene.stiff->values) cases.push_back({&scene, v, m, {}});
+        for (const double v : scene.dial->values) cases.push_back({&scene, v, m, {}});
   }
   for_each_run(plan.options, cases.size(), [&](std::size_t i) {
     Case& c = cases[i];
     progress(plan.options, "stability: " + c.scene->id + ", " + std::string(c.method->id));
-    const Scene scene = c.scene->with_stiff_value(c.value);
-    const StiffParameter& p = *scene.stiff;
-    std::string parameter = p.key;
-    if (p.key == "coefficients") parameter += "[" + std::to_string(p.component + 1) + "]";
-    c.row = {text(scene.id), text(c.method->id), text(parameter), c.value};
+    const Scene scene = c.scene->with_dial(c.value);
+    c.row = {text(scene.id), text(c.method->id), text(scene.dial->place), c.value};
     c.row.resize(std::size(columns));
     const auto lambda = eigenvalues(scene);
     double fastest = 0;

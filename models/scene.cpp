@@ -153,7 +153,7 @@ class Resolver {
     check_loads();
     const SceneTable initial = top_.table_or_empty("initial");
     initial.allow(std::vector<std::string>{"position", "velocity", "orientation"} + rotation_keys);
-    if (top_.has("stiff")) read_stiff(top_.table("stiff"));
+    if (top_.has("stiff")) read_dial(top_.table("stiff"));
     if (body_.form.empty())
       refuse_rotation(initial);
     else
@@ -310,9 +310,7 @@ class Resolver {
     if (needs_attitude && !attitude_)
       load.fail("type",
                 "a load that does not depend on the attitude, because of attitude = false at the top");
-    if (stiff_load_ == i)
-      scene_.stiff->load = r.loads.size();
-    else if (zero) {
+    if (zero) {
       scene_.left_out.push_back("no load " + std::to_string(i + 1) + ": it is zero");
       return;
     }
@@ -324,26 +322,21 @@ class Resolver {
     return R.transpose() * c_user.asDiagonal() * R;
   }
 
-  void read_stiff(const SceneTable& table) {
-    table.allow({"load", "key", "component", "values"});
-    if (loads_.empty()) table.fail("load", "a [[load]] in the file");
-    const auto number = table.integer("load", 1, static_cast<std::int64_t>(loads_.size()));
-    stiff_load_ = static_cast<std::size_t>(number - 1);
-    const std::string& type = types_[*stiff_load_];
-    StiffParameter stiff;
-    if (type != angular_drag && type != attitude_spring)
-      table.fail("load", std::to_string(number) + ", which is a " + type,
-                 "an angular_drag or an attitude_spring");
-    stiff.key = table.choice("key", load_keys().at(type));
-    if (stiff.key == "coefficients")
-      stiff.component = static_cast<int>(table.integer("component", 1, 3) - 1);
-    else if (table.has("component"))
-      table.fail("component", "no such key, " + stiff.key + " is a single number");
-    stiff.values = table.numbers("values", {}, Sign::positive);
-    const auto& v = stiff.values;
+  // Whether its places are numbers is asked when it is turned.
+  void read_dial(const SceneTable& table) {
+    table.allow({"dial", "values", "also"});
+    Dial dial;
+    dial.place = table.text("dial");
+    dial.values = table.numbers("values", {}, Sign::positive);
+    const auto& v = dial.values;
     if (v.empty() || std::adjacent_find(v.begin(), v.end(), std::greater_equal<>()) != v.end())
       table.fail("values", "increasing numbers > 0");
-    scene_.stiff = stiff;
+    if (table.has("also"))
+      for (const SceneTable& follower : table.tables("also")) {
+        follower.allow({"dial", "power"});
+        dial.followers.push_back({follower.text("dial"), follower.number("power", Sign::any)});
+      }
+    scene_.dial = dial;
   }
 
   void resolve_translation(const SceneTable& body, const SceneTable& initial) {
@@ -395,35 +388,39 @@ class Resolver {
   bool attitude_ = true, held_ = false, pushed_ = false;
   std::vector<SceneTable> loads_;
   std::vector<std::string> types_;
-  std::optional<std::size_t> stiff_load_;
 };
 
 }  // namespace
 
-Scene read_scene(const std::filesystem::path& file) {
-  const toml::table document = parse_scene_file(file);
+namespace {
+
+Scene resolved(const toml::table& document, const std::filesystem::path& file) {
   Scene scene;
   scene.file = file;
   scene.id = file.stem().string();
   Resolver(SceneTable(document, file.string(), "", 1), scene).resolve();
+  if (scene.dial) {  // a place that is not there is found now, not when a study turns to it
+    toml::table copy = document;
+    const auto line = std::to_string(document.get("stiff")->source().begin.line);
+    turn_dial(copy, file.string() + ":" + line, *scene.dial, scene.dial->values.front());
+  }
   return scene;
 }
 
-Scene Scene::with_stiff_value(double value) const {
-  Scene changed = *this;
-  if (!stiff || !rotation) throw InputError(file.string() + ": stiff: got nothing, need a table [stiff]");
-  AnyTorque<double>& load = changed.rotation->loads.at(stiff->load);
-  if (auto* spring = std::get_if<AttitudeSpring<double>>(&load)) {
-    (stiff->key == "stiffness" ? spring->stiffness : spring->damping) = value;
-  } else {
-    // The coefficients belong to the user's axes: turned there, changed and turned back.
-    auto& drag = std::get<AngularDrag<double>>(load);
-    const Mat3 R = rotation_matrix<double>(rotation->principal_to_user);
-    Vec3 c = (R * drag.coefficients_B * R.transpose()).diagonal();
-    c[stiff->component] = value;
-    drag.coefficients_B = R.transpose() * c.asDiagonal() * R;
-  }
-  return changed;
+}  // namespace
+
+Scene read_scene(const std::filesystem::path& file) { return resolved(parse_scene_file(file), file); }
+
+Scene Scene::with_dial(double value) const {
+  if (!dial) throw InputError(file.string() + ": stiff: got nothing, need a table [stiff]");
+  toml::table document = parse_scene_file(file);
+  const double as_read = resolved(document, file).duration;
+  turn_dial(document, file.string(), *dial, value);
+  Scene turned = resolved(document, file);
+  turned.duration *= duration / as_read;  // of a scene whose duration was changed, too
+  turned.dial = dial;
+  turned.variant = dial->place + " = " + number_text(value);
+  return turned;
 }
 
 Scene find_scene(const std::string& id_or_path) {

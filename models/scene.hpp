@@ -35,29 +35,34 @@ struct TranslationData {
   bool has_force = false;
 };
 
-/// The parameter of one load that a stability study varies.
-struct StiffParameter {
-  std::size_t load = 0;        // index into RotationData::loads
-  std::string key;             // "stiffness", "damping" or "coefficients"
-  int component = 0;           // of coefficients
-  std::vector<double> values;  // to be tried, increasing
+/// A number of the scene file that a stability study varies: the file with another value there.
+struct Dial {
+  std::string place;  // "load[0].stiffness", "initial.angular_velocity[1]": tables and keys of the file
+  std::vector<double> values;  // to be tried, > 0 and increasing
+  struct Follower {
+    std::string place;
+    double power;  // value in the file times (dial/dial in the file)^power
+  };
+  std::vector<Follower> followers;  // numbers that change with it
 };
 
 struct Scene {
   std::string id;              // file name without ".toml"
   std::filesystem::path file;  // where it was read
   std::string title, source;
-  std::string variant;  // "" as read; what with_stiff_value changed
+  std::string variant;  // "" as read; "PLACE = VALUE" after with_dial
   double duration = 0;  // s
   std::optional<RotationData> rotation;
   std::optional<TranslationData> translation;
-  std::optional<StiffParameter> stiff;
+  std::optional<Dial> dial;
   std::vector<std::string> notes;     // what its reader should know, a sentence each; usually none
   std::vector<std::string> left_out;  // what the equations do without, a phrase each ("no translation: ...")
   int unknowns = 0;                   // of the smallest model: length of the state vector
 
-  /// The scene with its stiff parameter set to a value; needs `stiff`.
-  Scene with_stiff_value(double value) const;
+  /// The scene that its file describes with the number at dial->place set to a value. A vector there keeps
+  /// its direction, and its largest component is set. Needs `dial`; throws InputError if there is no such
+  /// number or the scene cannot be.
+  Scene with_dial(double value) const;
 };
 
 /// Reads and checks a scene file. Throws InputError with file, line, key, what was found and what is needed.

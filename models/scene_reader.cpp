@@ -207,7 +207,7 @@ std::vector<SceneTable> SceneTable::tables(const std::string& key) const {
   for (const auto& element : *array) {
     const toml::table* t = element.as_table();
     if (!t) fail(key, need);
-    all.emplace_back(*t, file_, name_of(key) + "[" + std::to_string(all.size() + 1) + "]",
+    all.emplace_back(*t, file_, name_of(key) + "[" + std::to_string(all.size()) + "]",
                      element.source().begin.line);
   }
   return all;

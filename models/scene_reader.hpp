@@ -10,6 +10,7 @@
 #include <toml++/toml.h>
 
 #include "models/attitude.hpp"
+#include "models/scene.hpp"
 
 namespace polhode {
 
@@ -18,7 +19,7 @@ enum class Sign { any, positive, not_negative };
 /// One table of the file. Copies are cheap; the document must outlive them.
 class SceneTable {
  public:
-  /// path: how messages name the table, "body" or "load[2]"; "" for the top level.
+  /// path: how messages name the table, "body" or "load[2]" (from 0); "" for the top level.
   SceneTable(const toml::table& table, std::string file, std::string path, std::size_t line)
       : table_(&table), file_(std::move(file)), path_(std::move(path)), line_(line) {}
 
@@ -56,6 +57,10 @@ class SceneTable {
   std::string file_, path_;
   std::size_t line_;
 };
+
+/// Sets the numbers of a document that a dial turns (models/scene.hpp); `file` is how messages name it.
+/// Throws InputError if one of its places is no number or vector in the document.
+void turn_dial(toml::table& document, const std::string& file, const Dial& dial, double value);
 
 /// Reads and parses a file of at most 1 MB. Throws InputError if it is missing, not a regular file (a pipe is
 /// not even opened), too large, or not TOML in UTF-8.

@@ -90,20 +90,20 @@ const std::vector<Malformed>& malformed() {
       {4, top + "[body]\npart = []\n" + spin, {"body.part", "[[body.part]]"}},
       {5,
        top + "[[body.part]]\nshape = 'sphere'\ncolour = 'red'\nradius = 1\nmass = 1\n" + spin,
-       {"body.part[1].colour", "unknown key"}},
+       {"body.part[0].colour", "unknown key"}},
       {10,
        top +
            "[[body.part]]\nshape = 'sphere'\nradius = 1\nmass = 1\n[[body.part]]\nshape = 'sphere'\nradius = "
            "1\n" +
            "mass = -1\n" + spin,
-       {"body.part[2].mass", "got -1"}},
+       {"body.part[1].mass", "got -1"}},
       {7,
        top + "[[body.part]]\nshape = 'sphere'\nradius = 1\nmass = 1\norientation = [0, 0, 0, 0]\n" + spin,
-       {"body.part[1].orientation", "[0, 0, 0, 0]"}},
+       {"body.part[0].orientation", "[0, 0, 0, 0]"}},
       {4,
        top + "[body]\nmass = 2\n[[body.particle]]\nmass = 1\nposition = [1, 0, 0]\n" + spin,
        {"body.mass", "unknown key"}},
-      {3, top + "[[body.particle]]\nmass = 1\n" + spin, {"body.particle[1].position", "got nothing"}},
+      {3, top + "[[body.particle]]\nmass = 1\n" + spin, {"body.particle[0].position", "got nothing"}},
       {3,
        top +
            "[[body.particle]]\nmass = 1\nposition = [1, 0, 0]\n[[body.particle]]\nmass = 1\nposition = [0, "
@@ -136,20 +136,20 @@ const std::vector<Malformed>& malformed() {
        {"body.mass", "got nothing"}},
       // loads
       {8, good + "[load]\ntype = 'gravity'\n", {"load", "a table", "[[load]]"}},
-      {8, good + "[[load]]\nacceleration = [0, 0, 1]\n", {"load[1].type", "got nothing", "gravity_gradient"}},
-      {9, good + "[[load]]\ntype = 'gravty'\n", {"load[1].type", "\"gravty\"", "perhaps \"gravity\""}},
-      {9, good + "[[load]]\ntype = 7\n", {"load[1].type", "got 7"}},
-      {8, good + "[[load]]\ntype = 'gravity'\n", {"load[1].acceleration", "got nothing"}},
+      {8, good + "[[load]]\nacceleration = [0, 0, 1]\n", {"load[0].type", "got nothing", "gravity_gradient"}},
+      {9, good + "[[load]]\ntype = 'gravty'\n", {"load[0].type", "\"gravty\"", "perhaps \"gravity\""}},
+      {9, good + "[[load]]\ntype = 7\n", {"load[0].type", "got 7"}},
+      {8, good + "[[load]]\ntype = 'gravity'\n", {"load[0].acceleration", "got nothing"}},
       {10, good + "[[load]]\ntype = 'gravity'\naccelaration = [0, 0, 1]\n", {"perhaps \"acceleration\""}},
       {10,
        good + "[[load]]\ntype = 'linear_drag'\ncoefficient = -1\n",
-       {"load[1].coefficient", "got -1", ">= 0"}},
+       {"load[0].coefficient", "got -1", ">= 0"}},
       {10, good + "[[load]]\ntype = 'angular_drag'\ncoefficients = [1, -1, 1]\n", {"coefficients", ">= 0"}},
       {10, good + "[[load]]\ntype = 'angular_drag'\ncoefficient = [1, 1, 1]\n", {"perhaps \"coefficients\""}},
-      {8, good + "[[load]]\ntype = 'attitude_spring'\nstiffness = 1\n", {"load[1].damping", "got nothing"}},
+      {8, good + "[[load]]\ntype = 'attitude_spring'\nstiffness = 1\n", {"load[0].damping", "got nothing"}},
       {11,
        good + "[[load]]\ntype = 'constant_torque'\ntorque = [1, 0, 0]\nframe = 'world'\n",
-       {"load[1].frame", "\"world\"", "body, space"}},
+       {"load[0].frame", "\"world\"", "body, space"}},
       {10, good + "[[load]]\ntype = 'gravity_gradient'\nmean_motion = 0\n", {"mean_motion", "got 0", "> 0"}},
       {8,
        good + "[[load]]\ntype = 'gravity_about_pivot'\nacceleration = [0, 0, 1]\n",
@@ -158,7 +158,7 @@ const std::vector<Malformed>& malformed() {
        good +
            "[[load]]\ntype = 'gravity_about_pivot'\nacceleration = [0, 0, 1]\ncenter_of_mass = [0, 0, 1]\n" +
            "[[load]]\ntype = 'gravity'\nacceleration = [0, 0, 1]\n",
-       {"load[2].type", "\"gravity\"", "holds the body"}},
+       {"load[1].type", "\"gravity\"", "holds the body"}},
       {8,
        good + "velocity = [1, 0, 0]\n[[load]]\ntype = 'gravity_about_pivot'\nacceleration = [0, 0, 1]\n" +
            "center_of_mass = [0, 0, 1]\n",
@@ -170,33 +170,34 @@ const std::vector<Malformed>& malformed() {
       {10,
        top + "attitude = false\n" + body + spin +
            "[[load]]\ntype = 'attitude_spring'\nstiffness = 1\ndamping = 1\n",
-       {"load[1].type", "attitude = false"}},
+       {"load[0].type", "attitude = false"}},
       {8,
        top + "[body]\nmass = 1\n[initial]\nvelocity = [1, 0, 0]\n[[load]]\ntype = 'angular_drag'\n" +
            "coefficients = [1, 1, 1]\n",
-       {"load[1].type", "particle"}},
+       {"load[0].type", "particle"}},
       // the stiff table
-      {9, good + "[stiff]\nload = 1\nkey = 'stiffness'\nvalues = [1]\n", {"stiff.load", "got 1", "[[load]]"}},
+      {9,
+       good + "[stiff]\ndial = 'load[0].stiffness'\nvalues = [1]\n",
+       {"load[0].stiffness", "nothing there"}},
       {12,
-       good + "[[load]]\ntype = 'angular_drag'\ncoefficients = [1, 1, 1]\n[stiff]\nload = 2\n",
-       {"stiff.load", "got 2", "from 1 to 1"}},
+       good + "[[load]]\ntype = 'angular_drag'\ncoefficients = [1, 1, 1]\n[stiff]\ndial = "
+              "'load[0].type'\nvalues = [1]\n",
+       {"load[0].type", "something else", "place of a number"}},
       {12,
-       good + "[[load]]\ntype = 'gravity'\nacceleration = [1, 1, 1]\n[stiff]\nload = 1\n",
-       {"stiff.load", "which is a gravity"}},
-      {13,
-       good +
-           "[[load]]\ntype = 'angular_drag'\ncoefficients = [1, 1, 1]\n[stiff]\nload = 1\nkey = 'damping'\n",
-       {"stiff.key", "\"damping\"", "coefficients"}},
-      {11,
-       good + "[[load]]\ntype = 'angular_drag'\ncoefficients = [1, 1, 1]\n[stiff]\nload = 1\nkey = "
-              "'coefficients'\n",
-       {"stiff.component", "got nothing", "from 1 to 3"}},
-      {15,
-       good +
-           "[[load]]\ntype = 'angular_drag'\ncoefficients = [1, 1, 1]\n[stiff]\nload = 1\nkey = "
-           "'coefficients'\n" +
-           "component = 1\nvalues = [3, 2]\n",
+       good + "[[load]]\ntype = 'angular_drag'\ncoefficients = [1, 1, 1]\n[stiff]\n" +
+           "dial = 'load[0].coefficients[3]'\nvalues = [1]\n",
+       {"coefficients[3]", "nothing there"}},
+      {12,
+       good + "[[load]]\ntype = 'angular_drag'\ncoefficients = [1, 1, 1]\n[stiff]\n" +
+           "dial = 'load[0].coefficients'\nvalues = [1]\nalso = [{ dial = 'load[0]x', power = 1 }]\n",
+       {"load[0]x", "no '.' before a name"}},
+      {14,
+       good + "[[load]]\ntype = 'angular_drag'\ncoefficients = [1, 1, 1]\n[stiff]\n" +
+           "dial = 'load[0].coefficients'\nvalues = [3, 2]\n",
        {"stiff.values", "[3, 2]", "increasing"}},
+      {13,
+       good + "[[load]]\ntype = 'angular_drag'\ncoefficients = [1, 1, 1]\n[stiff]\nload = 1\n",
+       {"stiff.load", "unknown key", "dial"}},
       // not TOML
       {2, "title = 'x'\nduration = \n", {"invalid TOML"}},
       {3, "title = 'x'\nduration = 1\nduration = 2\n", {"invalid TOML"}},
