@@ -54,11 +54,12 @@ EnergyGrowth energy_growth(const Integration& run, double h, std::int64_t steps)
   Halves r = halves(run, h, steps);
   EnergyGrowth g;
   g.stable = r.outcome == Outcome::ok && !grows(r, growth_resolution);
-  if (r.outcome == Outcome::ok && !g.stable && r.second < 2 * r.first) {
-    // A trend goes on at its rate; the crest of a slow swing does not.
-    const double rate = std::log(r.second / r.first) / (0.5 * r.steps);
-    r = halves(run, h, 8 * steps);
-    g.stable = r.outcome == Outcome::ok && !grows(r, std::max(growth_resolution, 0.5 * rate));
+  // A trend goes on at its rate; the crest of a slow swing does not.
+  const double rate = std::log(r.second / r.first) / (0.5 * r.steps);
+  for (int k = 0; k < 2 && r.outcome == Outcome::ok && !g.stable && r.second < 2 * r.first; ++k) {
+    steps *= 4;
+    r = halves(run, h, steps);
+    g.stable = r.outcome == Outcome::ok && !grows(r, std::max(growth_resolution, 0.25 * rate));
   }
   g.outcome = r.outcome;
   g.per_step = r.outcome == Outcome::ok && r.end > 0 ? std::expm1(std::log(r.end) / r.steps)

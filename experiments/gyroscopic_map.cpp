@@ -74,12 +74,13 @@ Table gyroscopic_map(const Plan& plan) {
   const bool quick = plan.options.quick;
   std::vector<double> ratios, sizes;
   if (quick)
-    ratios = {0.01, 0.3, 0.8, 1.4, 1.99};
+    ratios = {0.01, 0.5, 1.6};
   else
     ratios = {0.01, 0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9,
               1,    1.1,  1.2, 1.3, 1.4, 1.5, 1.6, 1.7, 1.8, 1.9, 1.99};
-  const int per_decade = quick ? 2 : 8;
-  for (int k = 0; k <= 4 * per_decade; ++k) sizes.push_back(std::pow(10.0, -3 + double(k) / per_decade));
+  const int per_decade = quick ? 2 : 8, decades = quick ? 2 : 4;
+  for (int k = 0; k <= decades * per_decade; ++k)
+    sizes.push_back(std::pow(10.0, 1 - decades + double(k) / per_decade));
   struct Body {
     Scene scene;
     int axis;

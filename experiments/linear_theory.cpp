@@ -45,6 +45,10 @@ Linearised linearised(const Scene& scene) {
       fast = i;
     }
   }
+  const Eigen::Vector3cd rates = solver.eigenvectors().col(fast).tail<3>();
+  const Vec3 real = rates.real(), imaginary = rates.imag();
+  const Vec3& larger = real.norm() >= imaginary.norm() ? real : imaginary;
+  if (larger.norm() > 0) result.fast_axis = larger.normalized();
   if (result.at_rest && result.fastest > 0 && solver.eigenvalues()[fast].imag() == 0) {
     const Eigen::VectorXd mode = solver.eigenvectors().col(fast).real();
     const double length = mode.tail<3>().norm();

@@ -14,6 +14,7 @@ struct Linearised {
   bool at_rest;  // about the rest that drags and springs lead to; else about the initial state
   std::vector<std::complex<double>> eigenvalues;  // 1/s
   double fastest = 0;                             // largest modulus among them
+  Vec3 fast_axis{1, 0, 0};                        // axis about which the fastest mode turns, principal frame
   // About rest, where the fastest eigenvalue is real: the rates of its mode, of length 1, in the principal
   // frame, and the turn from rest that belongs to it, as the vector part of a quaternion.
   std::optional<Vec3> fast_rates;

@@ -60,6 +60,7 @@ Scene asked_scene(const Options& options, const std::string& id) {
   if (options.duration) scene.duration = *options.duration;
   if (options.dial) {
     Dial dial;
+    if (scene.dial && scene.dial->place == *options.dial) dial.followers = scene.dial->followers;
     dial.place = *options.dial;
     // Whole powers of ten from end to end where that comes out even, else as many points as decades, rounded
     // up.

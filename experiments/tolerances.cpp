@@ -97,7 +97,7 @@ std::vector<Table> tolerances(const Plan& plan) {
     progress(plan.options, "tolerances: " + s.scene.id + ", " + std::string(method.id));
     Setting setting = setting_of(plan.options, Knob::tolerance);
     setting.rtol = ladder[i % ladder.size()];
-    setting.timeout_s = std::min(setting.timeout_s, 2.0);
+    setting.timeout_s = std::min(setting.timeout_s, plan.options.quick ? 0.3 : 2.0);
     std::vector<Cell> row = {text(s.scene.id), text(method.id), s.value, setting.rtol};
     if (auto known = plan.earlier.find(rows, row)) {
       row = std::move(*known);

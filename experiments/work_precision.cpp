@@ -55,7 +55,7 @@ std::vector<Table> work_precision(const Plan& plan) {
   refuse_options(plan.options, "work-precision samples at 16 times of its own", false, false, true);
   if (plan.options.h) throw UsageError("--h: work-precision counts in steps; needs --steps");
   const bool quick = plan.options.quick;
-  const TimingPlan timing = quick ? TimingPlan{3, 50e-6, 5e-3} : TimingPlan{7, 100e-6, 25e-3};
+  const TimingPlan timing = quick ? TimingPlan{3, 50e-6, 5e-3} : TimingPlan{7, 500e-6, 25e-3};
   for (const Scene& scene : plan.scenes) {
     if (interrupted()) break;
     const auto times = uniform_times(scene.duration, 16);

@@ -98,14 +98,15 @@ class Rotating {
 template <class S, class Motion = FreeRotation<S>>
 class Freely final : public Rotating<S> {
  public:
-  explicit Freely(const RotationData& r) : r_(r), motion_(made()) {}
-  void set_up() override { motion_ = made(); }
-  Turning<S> at(const S& t) const override { return motion_.at(t); }
+  explicit Freely(const RotationData& r) : r_(r) { Freely::set_up(); }
+  void set_up() override {
+    motion_.emplace(r_.moments, r_.q0.template cast<S>(), r_.w0.template cast<S>());
+  }
+  Turning<S> at(const S& t) const override { return motion_->at(t); }
 
  private:
-  Motion made() const { return Motion(r_.moments, r_.q0.template cast<S>(), r_.w0.template cast<S>()); }
   RotationData r_;
-  Motion motion_;
+  std::optional<Motion> motion_;
 };
 
 /// (1 - exp(-rate t))/rate, down to t itself for no rate.

@@ -26,6 +26,8 @@ class ExtendedFreeRotation {
 
   State at(double t) const {
     using Kind = Motion::Kind;
+    // Next to the least doubles a second word has no room.
+    if (!(std::abs(rate_.high) > 1e-280)) return rounded(motion_.at(t));
     switch (motion_.kind_) {
       case Kind::steady:
       case Kind::symmetric:

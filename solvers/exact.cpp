@@ -38,11 +38,13 @@ class Flat {
 
 Prepared evaluate(const Scene& scene, const Setting& setting, std::shared_ptr<ClosedForm<double>> form) {
   if (!form) return {{}, "the scene has no closed form that is known here"};
-  return {[form = std::move(form), model = std::shared_ptr<ErasedModel>(erased_model(scene)),
-           flat = Flat(scene), setting](const Grid& grid, Trajectory& out) mutable {
+  std::shared_ptr<ErasedModel> model = erased_model(scene);
+  const Sample start = model->sample(0.0, model->initial().data());
+  return {[form = std::move(form), model = std::move(model), start, flat = Flat(scene),
+           setting](const Grid& grid, Trajectory& out) mutable {
             Record record(setting, grid, out);
             form->set_up();
-            record.start(model->sample(0.0, model->initial().data()));
+            record.start(start);
             for (const auto& stretch : grid.stretches) {
               ++out.work.steps;
               if (!record.keep(model->sample(stretch.t_end, flat(form->at(stretch.t_end))))) return;

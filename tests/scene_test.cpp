@@ -50,10 +50,10 @@ TEST(BuiltInScenes, AllReadAndAreSane) {
       EXPECT_EQ(inertia_fault(scene.rotation->moments, id != "euler-equations"), "");
       EXPECT_NEAR(squared_norm(scene.rotation->principal_to_user), 1, 1e-15);
     }
-    if (scene.stiff) {
-      EXPECT_GE(scene.stiff->values.back() / scene.stiff->values.front(), 1e4);
-      for (const double value : scene.stiff->values)
-        EXPECT_EQ(scene.with_stiff_value(value).rotation->loads.size(), scene.rotation->loads.size());
+    if (scene.dial) {
+      EXPECT_GE(scene.dial->values.back() / scene.dial->values.front(), 100);
+      for (const double value : scene.dial->values)
+        EXPECT_EQ(scene.with_dial(value).rotation->loads.size(), scene.rotation->loads.size());
     }
   }
 }
@@ -75,13 +75,27 @@ TEST(BuiltInScenes, KeepTheDoublesThatAreWritten) {
   EXPECT_LT((m - Vec3(1.8, 0.4, -0.9)).cwiseAbs().maxCoeff(), 2.3e-16);  // one unit in the last place of 1.8
 }
 
-TEST(BuiltInScenes, AttitudeSpringNeverTurnsFarEnoughToJump) {
+TEST(BuiltInScenes, SpringsNeverTurnFarEnoughToJump) {
   // 4 k (1 - |q_w|) <= E(0), for the energy only falls: |q_w| >= 1 - E(0)/(4 k).
-  const Scene scene = find_scene("attitude-spring");
-  for (const double k : scene.stiff->values)
-    with_model(scene.with_stiff_value(k), [&](const auto& m) {
-      EXPECT_GT(1 - m.total_energy(0, m.initial.data()) / (4 * k), 0.5) << k;
-    });
+  for (const char* id : {"attitude-spring", "undamped-spring", "critical-spring", "overdamped-spring"}) {
+    const Scene scene = find_scene(id);
+    for (const double k : scene.dial->values)
+      with_model(scene.with_dial(k), [&](const auto& m) {
+        EXPECT_GT(1 - m.total_energy(0, m.initial.data()) / (4 * k), 0.5) << id << " " << k;
+      });
+  }
+}
+
+TEST(BuiltInScenes, FollowersOfADialKeepTheDampingRatioAndTheNumberOfPeriods) {
+  const Scene scene = find_scene("attitude-spring"), stiff = scene.with_dial(5e4);
+  const auto& soft_spring = std::get<AttitudeSpring<double>>(scene.rotation->loads[0]);
+  const auto& stiff_spring = std::get<AttitudeSpring<double>>(stiff.rotation->loads[0]);
+  EXPECT_EQ(stiff_spring.stiffness, 5e4);
+  // c / sqrt(k) and T sqrt(k): a power, a product and a quotient, each rounded once.
+  const double ratio = std::sqrt(5e4 / soft_spring.stiffness);
+  EXPECT_NEAR(stiff_spring.damping, soft_spring.damping * ratio, 4e-16 * stiff_spring.damping);
+  EXPECT_NEAR(stiff.duration, scene.duration / ratio, 4e-16 * stiff.duration);
+  EXPECT_EQ(stiff.variant, "load[0].stiffness = 50000");
 }
 
 TEST(BuiltInScenes, TheHandleTurnsAboutItsMiddleAxis) {
@@ -272,30 +286,27 @@ TEST_F(SceneMeaning, ALoadThatIsZeroIsLeftOutUnlessAStudyVariesIt) {
       "[[load]]\ntype = 'angular_drag'\ncoefficients = [0, 0, 0]\n";
   EXPECT_TRUE(read(text).rotation->loads.empty());
   EXPECT_THAT(read(text).left_out, Contains("no load 1: it is zero"));
-  const Scene varied =
-      read(text + "[stiff]\nload = 2\nkey = 'coefficients'\ncomponent = 3\nvalues = [1, 10]\n");
-  ASSERT_EQ(varied.rotation->loads.size(), 1u);
-  EXPECT_EQ(varied.stiff->load, 0u);
-  const Scene ten = varied.with_stiff_value(10);
+  const Scene varied = read(text + "[stiff]\ndial = 'load[1].coefficients[2]'\nvalues = [1, 10]\n");
+  const Scene ten = varied.with_dial(10);
+  ASSERT_EQ(ten.rotation->loads.size(), 1u);
   const auto& drag = std::get<AngularDrag<double>>(ten.rotation->loads[0]);
   EXPECT_EQ(drag.coefficients_B, Mat3(Vec3(0, 0, 10).asDiagonal()));
 }
 
 TEST_F(SceneMeaning, AStiffCoefficientBelongsToTheUsersAxes) {
   const std::string with = "[[load]]\ntype = 'angular_drag'\ncoefficients = ",
-                    stiff = "[stiff]\nload = 1\nkey = 'coefficients'\ncomponent = 2\nvalues = [7]\n";
-  const Scene changed = read(user_scene(with + "[0.1, 0.2, 0.3]\n" + stiff)).with_stiff_value(7);
+                    stiff = "[stiff]\ndial = 'load[0].coefficients[1]'\nvalues = [7]\n";
+  const Scene changed = read(user_scene(with + "[0.1, 0.2, 0.3]\n" + stiff)).with_dial(7);
   const Scene written = read(user_scene(with + "[0.1, 7, 0.3]\n"));
   const auto& a = std::get<AngularDrag<double>>(changed.rotation->loads[0]).coefficients_B;
   const auto& b = std::get<AngularDrag<double>>(written.rotation->loads[0]).coefficients_B;
   EXPECT_LT((a - b).norm(), rounding);
 
-  const std::string spring =
-      "[[load]]\ntype = 'attitude_spring'\nstiffness = 1\ndamping = 2\n[stiff]\nload = 1\n";
-  const Scene damped = read(user_scene(spring + "key = 'damping'\nvalues = [3, 4]")).with_stiff_value(4);
+  const std::string spring = "[[load]]\ntype = 'attitude_spring'\nstiffness = 1\ndamping = 2\n[stiff]\n";
+  const Scene damped = read(user_scene(spring + "dial = 'load[0].damping'\nvalues = [3, 4]")).with_dial(4);
   EXPECT_EQ(std::get<AttitudeSpring<double>>(damped.rotation->loads[0]).damping, 4);
   EXPECT_EQ(std::get<AttitudeSpring<double>>(damped.rotation->loads[0]).stiffness, 1);
-  EXPECT_THROW(written.with_stiff_value(1), InputError);
+  EXPECT_THROW(written.with_dial(1), InputError);
 }
 
 TEST_F(SceneMeaning, ABodyOfPartsIsHeldAtItsOriginOrWhereItsCenterIsSaidToBe) {
@@ -350,7 +361,7 @@ TEST_F(SceneMeaning, EveryShapeIsABodyByMassAndByDensity) {
 TEST_F(SceneMeaning, ABrokenOffFileIsReadOrRefusedButNothingElse) {
   const std::string whole =
       user_scene("velocity = [1, 2, 3]\n[[load]]\ntype = 'angular_drag'\ncoefficients = [1, 1, 1]\n") +
-      "[stiff]\nload = 1\nkey = 'coefficients'\ncomponent = 1\nvalues = [1, 10]\n";
+      "[stiff]\ndial = 'load[0].coefficients[0]'\nvalues = [1, 10]\n";
   int refused = 0;
   for (std::size_t n = 0; n <= whole.size(); ++n) refused += refusal(whole.substr(0, n)).front() != '(';
   EXPECT_GT(refused, static_cast<int>(whole.size() / 2));
