@@ -15,7 +15,8 @@ struct EngineStatus {
   std::vector<const Method*> methods;
 };
 
-/// Every solver, in the order of methods.def, then the engines' rows.
+/// Every solver, in the order of methods.def, then the engines' rows. Opens every engine; the functions below
+/// open only those that may have what they are asked for.
 const std::vector<const Method*>& all_methods();
 const std::vector<EngineStatus>& all_engines();
 
