@@ -3,9 +3,11 @@
 
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <optional>
 
 #include <dlfcn.h>
+#include <link.h>
 
 namespace polhode {
 namespace {
@@ -25,6 +27,17 @@ std::filesystem::path module_folder() {
   return binary.parent_path().parent_path() / "lib" / "polhode";
 }
 
+/// A file that was cut off would end the program on the first page that is not there: is it as long as its
+/// own header says?
+bool is_whole(const std::string& module) {
+  std::ifstream file(module, std::ios::binary);
+  ElfW(Ehdr) header{};
+  if (!file.read(reinterpret_cast<char*>(&header), sizeof header)) return false;
+  std::error_code failed;
+  const auto size = std::filesystem::file_size(module, failed);
+  return !failed && size >= header.e_shoff + std::size_t{header.e_shnum} * header.e_shentsize;
+}
+
 EngineStatus opened(const Listed& engine) {
   EngineStatus e;
   e.id = engine.id;
@@ -34,6 +47,10 @@ EngineStatus opened(const Listed& engine) {
   if (!std::filesystem::exists(e.module)) {
     e.missing =
         "the engine '" + e.id + "' was not built; install the package " + e.package + " and build again";
+    return e;
+  }
+  if (!is_whole(e.module)) {
+    e.missing = "the engine '" + e.id + "' cannot be opened: " + e.module + " is cut off; build again";
     return e;
   }
   // Never closed: the rows live in it.
