@@ -157,17 +157,29 @@ std::string verdict_of(const Scene& scene, const Ladder& ladder, bool has_floor)
   std::string out;
   // Smaller steps must bring the momentum nearer, if the motion is the right one. (Not the energy, which a
   // wrong motion may keep.)
-  const bool single_rung = first == last;
-  if (!single_rung && coarse.momentum_max > 1e-6 && fine.momentum_max > 0.5 * coarse.momentum_max)
+  const bool converges =
+      first == last || coarse.momentum_max < 1e-6 || fine.momentum_max < 0.5 * coarse.momentum_max;
+  if (!converges)
     out = fmt::format("not this motion at any step size: momentum off by {:.2g} %", 100 * fine.momentum_max);
   else
     out = fmt::format("converges to this motion: at {} momentum within {:.1e}", knob_text(scene, *last),
                       fine.momentum_max);
-  if (coarse.energy_max < 1e3 * ladder.method->epsilon)
+  const double rounding = 1e3 * ladder.method->epsilon;
+  if (coarse.energy_max < rounding)
     out += ", energy kept to rounding";
+  else if (coarse.energy_max < 1e-4)
+    out += fmt::format(", energy within {:.1e} at {}", coarse.energy_max, knob_text(scene, *first));
   else
-    out += fmt::format(", energy {} ({:+.2g} % at {})", first->energy_gain > 0 ? "gained" : "lost",
-                       100 * first->energy_gain, knob_text(scene, *first));
+    out += fmt::format(", energy {}: {:.2g} % at {}", first->energy_gain > 0 ? "gained" : "lost",
+                       100 * std::abs(first->energy_gain), knob_text(scene, *first));
+  if (first->knob == Knob::steps && converges &&
+      first != last) {  // from the coarse end, where rounding is far
+    const Rung& second = *(first + 1);
+    if (second.run.outcome == Outcome::ok && second.errors.attitude_max > rounding)
+      out += fmt::format("; order {:.1f} in attitude", slope(*first, second, &Errors::attitude_max));
+    if (second.run.outcome == Outcome::ok && second.errors.energy_max > rounding)
+      out += fmt::format(", {:.1f} in energy", slope(*first, second, &Errors::energy_max));
+  }
   // Away from the floor of doubles, an attitude that smaller steps make worse is the rounding of the engine.
   const Rung* best = best_of(ladder, &Errors::attitude_max);
   if (has_floor && best != last && last->errors.attitude_max > 1.1 * best->errors.attitude_max)

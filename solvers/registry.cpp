@@ -13,8 +13,6 @@ namespace polhode {
 #include "solvers/methods.def"
 #undef METHOD
 
-namespace {
-
 const std::vector<const Method*>& own_methods() {
   static const std::vector<const Method*> methods = [] {
     std::vector<const Method*> own;
@@ -26,6 +24,8 @@ const std::vector<const Method*>& own_methods() {
   }();
   return methods;
 }
+
+namespace {
 
 /// Our own rows, and those of the engines that may have one of these ids or globs; no other is opened.
 std::vector<const Method*> methods_for(const std::vector<std::string>& patterns) {

@@ -78,7 +78,10 @@ TEST(Engines, MujocosRungeKuttaIsOfOrderTwoInAttitudeAndFourInEnergy) {
   for (std::size_t i = 1; i < 3; ++i) {
     EXPECT_NEAR(std::log2(attitude[i - 1] / attitude[i]), 2, 0.15);
     EXPECT_NEAR(std::log2(momentum[i - 1] / momentum[i]), 2, 0.15);
-    EXPECT_NEAR(std::log2(energy[i - 1] / energy[i]), 4, 0.3);  // the coarsest is not yet asymptotic
+    // As of any Runge-Kutta method of order 4, what adds up of the energy's error has order 5 and what does
+    // not has 4.
+    EXPECT_GT(std::log2(energy[i - 1] / energy[i]), 3.85);
+    EXPECT_LT(std::log2(energy[i - 1] / energy[i]), 5.15);
   }
 }
 
@@ -221,7 +224,8 @@ TEST(Engines, DefaultsOfMultibodiesDampAndCutVelocities) {
   // most.
   EXPECT_LT(damped.samples.back().rotational_energy, 0.45 * damped.samples.front().rotational_energy);
   Scene fast = hairer_vilmart();
-  fast.translation = TranslationData{.mass = 1, .v0 = Vec3(101, 0, 0)};
+  fast.translation = TranslationData{.mass = 1, .v0 = Vec3(300, 0, 0)};
+  // Damping takes a fifth of 300 m/s in the first step; the limit takes the rest.
   const Trajectory cut = run(*row("bullet-multibody-defaults"), fast, {}, equal_grid(1, 1, 60));
   EXPECT_EQ(cut.outcome, Outcome::clamped) << cut.reason;
   EXPECT_THAT(cut.reason, HasSubstr("100"));
@@ -344,14 +348,14 @@ TEST(EngineModules, ASpoiltOneIsOneSentenceAndDisturbsNothing) {
   ++other_version[at];
 
   const auto expect_one_sentence = [&copy](const char* what, const char* said) {
-    const CommandResult r = copy("simulate hairer-vilmart --solver bullet-none-f32 --steps 10");
+    const CommandResult r = copy("simulate hairer-vilmart --solver bullet-none-f32 --steps 1000");
     EXPECT_EQ(r.exit_code, 69) << what << r.err;
     EXPECT_EQ(r.out, "") << what;
     EXPECT_EQ(std::count(r.err.begin(), r.err.end(), '\n'), 1) << what << r.err;
     EXPECT_THAT(r.err, HasSubstr("bullet-f32")) << what;
     EXPECT_THAT(r.err, HasSubstr(said)) << what;
     // The engine beside it, our own solvers, and the lists go on.
-    EXPECT_EQ(copy("simulate hairer-vilmart --solver bullet-none --steps 10").exit_code, 0) << what;
+    EXPECT_EQ(copy("simulate hairer-vilmart --solver bullet-none --steps 1000").exit_code, 0) << what;
     const CommandResult list = copy("list engines");
     EXPECT_EQ(list.exit_code, 0) << what;
     EXPECT_THAT(list.out, HasSubstr(said)) << what;
@@ -380,7 +384,7 @@ TEST(EngineModules, OnlyWhatIsAskedForIsOpened) {
   };
   EXPECT_THAT(opened("simulate hairer-vilmart --solver rk4 --steps 10"), testing::IsEmpty());
   EXPECT_THAT(opened("simulate hairer-vilmart --solver odeint-rk4 --steps 10"), testing::IsEmpty());
-  EXPECT_THAT(opened("simulate hairer-vilmart --solver bullet-none --steps 10"),
+  EXPECT_THAT(opened("simulate hairer-vilmart --solver bullet-none --steps 1000"),
               testing::ElementsAre("bullet", "bullet-f32"));
 }
 

@@ -28,7 +28,6 @@
 namespace polhode {
 namespace {
 
-constexpr double fastest = 1e10;  // rad/s or m/s
 constexpr Met too_fast = {Outcome::diverged,
                           "a velocity beyond 1e10, soon after which DART aborts the program"};
 
@@ -73,7 +72,7 @@ class Dart {
   static std::int64_t rhs_evals(std::int64_t steps) { return steps; }
 
   Met step(double t) {
-    if (!(joint_->getVelocities().cwiseAbs().maxCoeff() < fastest)) return too_fast;
+    if (!(joint_->getVelocities().cwiseAbs().maxCoeff() < fastest_for_assertions)) return too_fast;
     if (b_.torque_S)
       body_->addExtTorque(b_.torque_S(t, body_->getWorldTransform().linear(), body_->getAngularVelocity()),
                           false);

@@ -20,6 +20,9 @@ struct Met {
   const char* reason = nullptr;
 };
 
+/// Velocity [rad/s or m/s] at which engines that end the program on a number that is not finite are stopped.
+constexpr double fastest_for_assertions = 1e10;
+
 /// The body of a scene; it must have an attitude, or no rotation at all (`is_served`).
 bool is_served(const Scene& scene);
 EngineBody engine_body(const Scene& scene);

@@ -8,9 +8,11 @@
 //
 // Defaults as shipped, which are what is used here: gyroscopic term on, no auto-disable, no damping, no limit
 // on speed (ODE itself recommends one below 500 rad/s), attitude by the small-rotation formula above ("finite
-// rotation mode" 0). Steps must be positive.
+// rotation mode" 0). ODE's assertions abort the program on a number that is not finite: a body that turns or
+// moves faster than 1e10 ends the run as `diverged` before it gets there. Steps must be positive.
 //
 // Source: Open Dynamics Engine 0.16.2, manual, and ode/src/step.cpp, util.cpp (dxStepBody).
+#include <algorithm>
 #include <memory>
 
 #include <ode/ode.h>
@@ -19,6 +21,10 @@
 
 namespace polhode {
 namespace {
+
+constexpr Met too_fast = {
+    Outcome::diverged,
+    "a velocity beyond 1e10, soon after which ODE cannot normalise the quaternion and aborts"};
 
 class Ode {
  public:
@@ -49,6 +55,7 @@ class Ode {
   static std::int64_t rhs_evals(std::int64_t steps) { return steps; }
 
   Met step(double t) {
+    if (!(fastest() < fastest_for_assertions)) return too_fast;
     if (b_.torque_S) {
       const Vec3 tau = b_.torque_S(t, rotation(), vec(dBodyGetAngularVel(body_)));
       dBodyAddTorque(body_, tau.x(), tau.y(), tau.z());
@@ -75,6 +82,10 @@ class Ode {
   };
   using World = std::unique_ptr<dxWorld, Destroy>;
 
+  double fastest() const {
+    return std::max(vec(dBodyGetAngularVel(body_)).cwiseAbs().maxCoeff(),
+                    vec(dBodyGetLinearVel(body_)).cwiseAbs().maxCoeff());
+  }
   static Vec3 vec(const dReal* a) { return {a[0], a[1], a[2]}; }
   Mat3 rotation() const {
     const dReal* const a = dBodyGetRotation(body_);  // rows of four
