@@ -1,7 +1,8 @@
 // Open Dynamics Engine: maximal coordinates, semi-implicit Euler in space components.
 //   w_S <- w_S + h I_S^-1 tau_S + d,   q <- q + h/2 (0, w_S) q normalised,   v <- v + h F/m,   p <- p + h v
-// The gyroscopic part d is linearly implicit in w with L = I_S w_S held: (I_S + h hat(w) I_S ...) in ODE's
-// own form, which dissipates: on a body near its separatrix the motion ends on the other side of it.
+// The gyroscopic part d is that of implicit Euler with the momentum L = I_S w_S held, (I_S - h hat(L)) (w_S +
+// d) = L, which dissipates: 2 E loses d . I_S d in every step. A body near its separatrix ends up on the
+// other side of it.
 //
 // Order 1; momentum and energy drift; the quaternion is normalised in every step. `ode-step` solves the whole
 // system of contacts and joints at once, `ode-quickstep` iterates; without any they differ by rounding alone.
