@@ -186,8 +186,11 @@ std::function<BareResult()> bare_cvode(int formula, double tolerance) {
 // the single build, whose module must not be run here.
 struct BulletBody {
   btRigidBody body;
-  explicit BulletBody(btCollisionShape* shape)
-      : body({1, nullptr, shape, btVector3(given_moments[0], given_moments[1], given_moments[2])}) {}
+  explicit BulletBody(btCollisionShape* shape) : body(properties(shape)) {}
+  static btRigidBody::btRigidBodyConstructionInfo properties(btCollisionShape* shape) {
+    const double a = given_moments[0], b = given_moments[1], c = given_moments[2];
+    return {1, nullptr, shape, btVector3(a, b, c)};
+  }
   void restart() {
     btTransform pose;
     pose.setIdentity();
