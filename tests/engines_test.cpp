@@ -2,20 +2,24 @@
 // loads through every engine's own interface, and what each does behind the user's back, reported.
 #include "solvers/engines/engines.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "experiments/question.hpp"
 #include "tests/command.hpp"
 #include "tests/free_body_runs.hpp"
 
 namespace polhode {
+
+std::vector<Table> engines(const Plan& plan);
+
 namespace {
 
 using testing::HasSubstr;
-using testing::Not;
 
 /// The row of an id, or nothing where its engine is not installed.
 const Method* row(std::string_view id) {
@@ -300,6 +304,38 @@ TEST(Engines, SettingsAndVersionAreStated) {
     EXPECT_THAT(listed.out, HasSubstr(std::string(m->settings)));
     EXPECT_THAT(listed.out, HasSubstr(std::string(m->version)));
   }
+}
+
+// ---- the question about them
+
+TEST(Engines, TheQuestionTellsRightFromWrong) {
+  Plan plan;
+  plan.scenes = {find_scene("hairer-vilmart"), find_scene("heavy-top")};  // the second does not turn freely
+  plan.options.quick = plan.options.quiet = true;
+  plan.options.solvers = {"bullet-none", "bullet-implicit-body*"};
+  plan.methods = select_methods(plan.options.solvers);
+  const Table table = engines(plan)[0];
+  ASSERT_EQ(table.rows.size(), 9u);  // three solvers, three step sizes
+  const auto cell = [&](std::size_t row, std::string_view column) -> const Cell& {
+    const auto at = std::find_if(table.columns.begin(), table.columns.end(),
+                                 [&](const Column& c) { return c.name == column; });
+    return table.rows[row][static_cast<std::size_t>(at - table.columns.begin())];
+  };
+  const auto said = [&](std::size_t row, std::string_view column) {
+    return std::get<std::string>(cell(row, column));
+  };
+  for (std::size_t i = 0; i < 9; ++i) EXPECT_EQ(said(i, "outcome"), "ok");
+  EXPECT_EQ(said(0, "mode"), "none");
+  EXPECT_THAT(said(0, "verdict"), HasSubstr("not this motion"));
+  EXPECT_EQ(said(3, "mode"), "implicit-body");
+  EXPECT_EQ(said(3, "precision"), "double");
+  EXPECT_THAT(said(3, "verdict"), HasSubstr("energy lost"));
+  EXPECT_EQ(said(6, "mode"), "implicit-body");
+  EXPECT_EQ(said(6, "precision"), "single");
+  for (const char* order : {"attitude_order", "energy_order", "momentum_order"})
+    EXPECT_NEAR(std::get<double>(cell(5, order)), 1, 0.15) << order;
+  const double h = std::get<double>(cell(5, "h_s")), ns = std::get<double>(cell(5, "ns_per_step"));
+  EXPECT_NEAR(std::get<double>(cell(5, "real_time_factor")) / (h / (1e-9 * ns)), 1, 1e-12);
 }
 
 // ---- modules
