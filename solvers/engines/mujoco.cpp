@@ -96,6 +96,7 @@ class Mujoco {
     data_->time = t;  // its own is a running sum
     stepping = loaded_ ? this : nullptr;
     mj_step(model_.get(), data_.get());
+    stepping = nullptr;  // MuJoCo also steps on its own, when it reads a model
     const mjWarningStat* const w = data_->warning;
     return w[mjWARN_BADQPOS].number + w[mjWARN_BADQVEL].number + w[mjWARN_BADQACC].number > 0 ? was_reset
                                                                                               : Met{};

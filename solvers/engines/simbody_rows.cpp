@@ -8,6 +8,9 @@
 // Nothing is kept but what the accuracy keeps; Simbody projects the quaternion back to unit length where the
 // defect exceeds a tenth of the accuracy. Asked times within a step are interpolated by Simbody.
 //
+// CPODES writes to standard error when it meets its own limit of steps, and has the names of SUNDIALS'
+// functions: the program must not export those (it links SUNDIALS statically).
+//
 // Loads are a Force::Custom, gravity a Force::UniformGravity. No damping, sleep or limit on speed. A
 // right-hand side costs some microseconds: Simbody is made for trees of many bodies with constraints, and
 // does for one body all that such a tree needs.
