@@ -24,6 +24,7 @@
 #include <boost/numeric/odeint/stepper/runge_kutta_cash_karp54.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_dopri5.hpp>
 #include <boost/numeric/odeint/stepper/runge_kutta_fehlberg78.hpp>
+#include <btBulletDynamicsCommon.h>
 #include <cvode/cvode.h>
 #include <nvector/nvector_serial.h>
 #include <sunlinsol/sunlinsol_dense.h>
@@ -181,6 +182,69 @@ std::function<BareResult()> bare_cvode(int formula, double tolerance) {
   };
 }
 
+// Bullet in double precision, the only one that this program links: its functions would stand in for those of
+// the single build, whose module must not be run here.
+struct BulletBody {
+  btRigidBody body;
+  explicit BulletBody(btCollisionShape* shape) : body(properties(shape)) {}
+  static btRigidBody::btRigidBodyConstructionInfo properties(btCollisionShape* shape) {
+    const double a = given_moments[0], b = given_moments[1], c = given_moments[2];
+    return {1, nullptr, shape, btVector3(a, b, c)};
+  }
+  void restart() {
+    btTransform pose;
+    pose.setIdentity();
+    body.setAngularVelocity(btVector3(start[4], start[5], start[6]));
+    body.setLinearVelocity(btVector3(0, 0, 0));
+    body.setCenterOfMassTransform(pose);
+    body.clearForces();
+  }
+  BareResult result(long steps) const {
+    const btQuaternion q = body.getCenterOfMassTransform().getRotation();
+    const btVector3 w = body.getAngularVelocity() * body.getCenterOfMassTransform().getBasis();
+    return {{q.w(), q.x(), q.y(), q.z(), w.x(), w.y(), w.z()}, steps};
+  }
+};
+
+std::function<BareResult()> bare_bullet_body(int steps) {
+  return [steps, bullet = std::make_shared<BulletBody>(nullptr)] {
+    bullet->restart();
+    btRigidBody& body = bullet->body;
+    btTransform& pose = body.getWorldTransform();
+    const double h = t_end / steps;
+    for (int i = 0; i < steps; ++i) {
+      body.setAngularVelocity(body.getAngularVelocity() + body.computeGyroscopicImpulseImplicit_Body(h));
+      btTransformUtil::integrateTransform(pose, body.getLinearVelocity(), body.getAngularVelocity(), h, pose);
+    }
+    return bullet->result(steps);
+  };
+}
+
+struct BulletWorld {
+  btDefaultCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher{&configuration};
+  btDbvtBroadphase broadphase;
+  btSequentialImpulseConstraintSolver constraint_solver;
+  btDiscreteDynamicsWorld world{&dispatcher, &broadphase, &constraint_solver, &configuration};
+  btSphereShape shape{1};
+  BulletBody bullet{&shape};
+  BulletWorld() {
+    world.setGravity(btVector3(0, 0, 0));
+    bullet.body.forceActivationState(DISABLE_DEACTIVATION);
+    world.addRigidBody(&bullet.body);
+  }
+  ~BulletWorld() { world.removeRigidBody(&bullet.body); }
+};
+
+std::function<BareResult()> bare_bullet_world(int steps) {
+  return [steps, bullet = std::make_shared<BulletWorld>()] {
+    bullet->bullet.restart();
+    const double h = t_end / steps;
+    for (int i = 0; i < steps; ++i) bullet->world.stepSimulation(h, 0, h);
+    return bullet->bullet.result(steps);
+  };
+}
+
 // ---- end of bare
 
 polhode::Scene body_scene() {
@@ -220,6 +284,8 @@ std::vector<Pair> pairs() {
     by_steps("odeint-cash-karp54", steps, bare_fixed<odeint::runge_kutta_cash_karp54<State>>(steps));
     by_steps("odeint-dopri5", steps, bare_fixed<odeint::runge_kutta_dopri5<State>>(steps));
     by_steps("odeint-rkf78", steps, bare_fixed<odeint::runge_kutta_fehlberg78<State>>(steps));
+    by_steps("bullet-implicit-body", steps, bare_bullet_body(steps));
+    by_steps("bullet-world", steps, bare_bullet_world(steps));
   }
   for (const double tolerance : {1e-6, 1e-10}) {
     by_tolerance("odeint-cash-karp54", tolerance,

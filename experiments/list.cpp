@@ -30,6 +30,8 @@ nlohmann::ordered_json method_json(const Method& m) {
           {"summary", m.summary},
           {"source", m.source},
           {"version", m.version},
+          {"settings", m.settings},
+          {"precision", precision_of(m)},
           {"claims",
            {{"attitude_order", order(c.attitude_order)},
             {"rate_order", order(c.rate_order)},
@@ -103,15 +105,33 @@ std::string list_scenes(const Options& options) {
   return options.json ? j.dump(2) + "\n" : out;
 }
 
+/// "  ids" and, below, the settings that these rows share; rows in the order of the registry.
+std::string settings_text(const std::vector<const Method*>& methods) {
+  std::string out;
+  for (std::size_t i = 0; i < methods.size();) {
+    const std::string_view settings = methods[i]->settings;
+    std::string ids;
+    for (; i < methods.size() && methods[i]->settings == settings; ++i)
+      ids += (ids.empty() ? "" : ", ") + std::string(methods[i]->id);
+    out += fmt::format("  {}\n    {}\n", ids, settings);
+  }
+  return out;
+}
+
 std::string list_engines(const Options& options) {
   nlohmann::ordered_json j = nlohmann::ordered_json::array();
-  std::string out = fmt::format("{:<14} {:<10} {:<18} {}\n", "engine", "available", "version", "what");
+  std::string out =
+      fmt::format("{:<11} {:<10} {:<14} {}\n", "engine", "available", "version", "what, and what is set");
   for (const EngineStatus& e : all_engines()) {
     const std::string version(e.available && !e.methods.empty() ? e.methods.front()->version : "");
-    out += fmt::format("{:<14} {:<10} {:<18} {}\n", e.id, e.available ? "yes" : "no", version,
+    out += fmt::format("{:<11} {:<10} {:<14} {}\n", e.id, e.available ? "yes" : "no", version,
                        e.available ? e.summary : e.missing);
-    nlohmann::ordered_json solvers = nlohmann::ordered_json::array();
-    for (const Method* m : e.methods) solvers.push_back(m->id);
+    nlohmann::ordered_json solvers = nlohmann::ordered_json::array(), settings;
+    for (const Method* m : e.methods) {
+      solvers.push_back(m->id);
+      settings[std::string(m->id)] = m->settings;
+    }
+    out += settings_text(e.methods);
     j.push_back(
         {{"id", e.id},
          {"summary", e.summary},
@@ -119,7 +139,8 @@ std::string list_engines(const Options& options) {
          {"version", version},
          {"available", e.available},
          {"missing", e.available ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(e.missing)},
-         {"solvers", solvers}});
+         {"solvers", solvers},
+         {"settings", settings}});
   }
   return options.json ? j.dump(2) + "\n" : out;
 }

@@ -58,6 +58,9 @@ Integration guarded(Integration run);
 /// One run, guarded; a solver that does not serve the scene gives outcome `unsupported` with its reason.
 Trajectory run_once(const Method& method, const Scene& scene, const Setting& setting, const Grid& grid);
 
+/// "double" or "single": what a solver computes in.
+inline const char* precision_of(const Method& method) { return method.epsilon > 1e-10 ? "single" : "double"; }
+
 /// An empty cell for NaN, the number otherwise.
 inline Cell number(double x) { return x == x ? Cell(x) : Cell(); }
 inline Cell text(std::string_view s) { return Cell(std::string(s)); }

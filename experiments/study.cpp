@@ -46,6 +46,8 @@ constexpr Column solver_columns[] = {
     {"space_momentum", ColumnType::text, "L of the free body stays to rounding, direction too"},
     {"energy_bounded", ColumnType::text, "the energy error of the free body has no secular part"},
     {"reversible", ColumnType::text, "forward and back returns to the start"},
+    {"precision", ColumnType::text, "of its arithmetic: double, single or wide"},
+    {"settings", ColumnType::text, "what is set on the library beyond the knob"},
 };
 constexpr Column scene_columns[] = {
     {"scene", ColumnType::text, "scene id"},
@@ -75,7 +77,8 @@ Table solver_table() {
     t.add({text(m->id), text(m->family), order_cell(c.attitude_order), text(m->source), text(m->version),
            text(m->summary), order_cell(c.rate_order), order_cell(c.energy_order),
            order_cell(c.momentum_order), claim_cell(c.unit_attitude), claim_cell(c.momentum_magnitude),
-           claim_cell(c.space_momentum), claim_cell(c.energy_bounded), claim_cell(c.reversible)});
+           claim_cell(c.space_momentum), claim_cell(c.energy_bounded), claim_cell(c.reversible),
+           text(precision_of(*m)), text(m->settings)});
   }
   return t;
 }
@@ -163,7 +166,7 @@ int answer(const Options& options, const std::vector<Question>& questions) {
     throw UsageError(
         std::string(questions.front().id) +
         ": none of these scenes and solvers can answer it (stability needs a scene with a [stiff] table "
-        "and a solver of fixed step, convergence a solver of fixed step)");
+        "and a solver of fixed step, convergence a solver of fixed step, engines a body that turns freely)");
   if (!to_folder) {
     const std::string text = csv(tables.front());
     if (place == "-")

@@ -1,4 +1,5 @@
-// The registry: rows of methods.def, then the engine modules found beside the program.
+// The registry: rows of methods.def, then those of the engine modules found beside the program, which are
+// opened when they are asked for.
 #include "solvers/registry.hpp"
 
 #include <algorithm>
@@ -12,21 +13,44 @@ namespace polhode {
 #include "solvers/methods.def"
 #undef METHOD
 
+const std::vector<const Method*>& own_methods() {
+  static const std::vector<const Method*> methods = [] {
+    std::vector<const Method*> own;
+#define METHOD(name) \
+  for (const Method& m : name) own.push_back(&m);
+#include "solvers/methods.def"
+#undef METHOD
+    return own;
+  }();
+  return methods;
+}
+
+namespace {
+
+/// Our own rows, and those of the engines that may have one of these ids or globs; no other is opened.
+std::vector<const Method*> methods_for(const std::vector<std::string>& patterns) {
+  std::vector<const Method*> methods = own_methods();
+  for (std::size_t i = 0; i < engine_count(); ++i)
+    if (std::any_of(patterns.begin(), patterns.end(), [i](const auto& p) { return may_serve(i, p); })) {
+      const EngineStatus& e = open_engine(i);
+      methods.insert(methods.end(), e.methods.begin(), e.methods.end());
+    }
+  return methods;
+}
+
+}  // namespace
+
 const std::vector<EngineStatus>& all_engines() {
-  static const std::vector<EngineStatus> engines = load_engines();
+  static const std::vector<EngineStatus> engines = [] {
+    std::vector<EngineStatus> all;
+    for (std::size_t i = 0; i < engine_count(); ++i) all.push_back(open_engine(i));
+    return all;
+  }();
   return engines;
 }
 
 const std::vector<const Method*>& all_methods() {
-  static const std::vector<const Method*> methods = [] {
-    std::vector<const Method*> all;
-#define METHOD(name) \
-  for (const Method& m : name) all.push_back(&m);
-#include "solvers/methods.def"
-#undef METHOD
-    for (const EngineStatus& e : all_engines()) all.insert(all.end(), e.methods.begin(), e.methods.end());
-    return all;
-  }();
+  static const std::vector<const Method*> methods = methods_for({"*"});
   return methods;
 }
 
@@ -44,8 +68,14 @@ bool matches(std::string_view pattern, std::string_view text) {
 }
 
 [[noreturn]] void unknown_solver(const std::string& id) {
-  for (const EngineStatus& e : all_engines())
-    if (!e.available && id.starts_with(e.id)) throw MissingError("solver '" + id + "': " + e.missing);
+  // Of an engine in two precisions, the module whose rows end as the id does.
+  for (std::size_t i = 0; i < engine_count(); ++i)
+    if (may_serve(i, id))
+      if (const EngineStatus& e = open_engine(i); !e.available) {
+        const std::size_t dash = e.id.find('-');
+        if (dash == std::string::npos || id.ends_with(e.id.substr(dash)))
+          throw MissingError("solver '" + id + "': " + e.missing);
+      }
   std::vector<std::string> ids;
   for (const Method* m : all_methods()) ids.emplace_back(m->id);
   const std::string near = nearest_name(id, ids);
@@ -56,13 +86,13 @@ bool matches(std::string_view pattern, std::string_view text) {
 }  // namespace
 
 const Method& find_method(const std::string& id) {
-  for (const Method* m : all_methods())
+  for (const Method* m : methods_for({id}))
     if (m->id == id) return *m;
   unknown_solver(id);
 }
 
 std::vector<const Method*> select_methods(const std::vector<std::string>& patterns) {
-  const auto& all = all_methods();
+  const auto all = methods_for(patterns);
   std::vector<bool> chosen(all.size(), false);
   for (const std::string& pattern : patterns) {
     // A glob of many stars would take exponential time; nobody needs more than a few.

@@ -15,7 +15,11 @@ struct EngineStatus {
   std::vector<const Method*> methods;
 };
 
-/// Every solver, in the order of methods.def, then the engines' rows.
+/// Our own solvers and those of libraries, in the order of methods.def: all but the engines'.
+const std::vector<const Method*>& own_methods();
+
+/// Every solver, in the order of methods.def, then the engines' rows. Opens every engine; the functions below
+/// open only those that may have what they are asked for.
 const std::vector<const Method*>& all_methods();
 const std::vector<EngineStatus>& all_engines();
 

@@ -61,7 +61,7 @@ confined() {
 sundials='sundials|cvodes?|arkode|idas?|kinsol|nvector|sunmatrix|sunlinsol|sunnonlinsol|sunadaptcontroller'
 confined "<($sundials)/" 'solvers/(sundials[a-z0-9_]*\.hpp|cvode[a-z0-9_]*\.cpp|arkode[a-z0-9_]*\.cpp)|experiments/bare_[a-z0-9_]*\.cpp'
 confined '<boost/numeric/odeint' 'solvers/odeint[a-z0-9_]*\.(cpp|hpp)|experiments/bare_[a-z0-9_]*\.cpp'
-confined '<(bullet/|Bullet|LinearMath/|bt[A-Z])' 'solvers/engines/bullet\.cpp'
+confined '<(bullet/|Bullet|LinearMath/|bt[A-Z])' 'solvers/engines/bullet\.cpp|experiments/bare_[a-z0-9_]*\.cpp'
 confined '<mujoco/' 'solvers/engines/mujoco\.cpp'
 confined '<ode/' 'solvers/engines/ode\.cpp'
 confined '<dart/' 'solvers/engines/dart\.cpp'

@@ -401,6 +401,13 @@ TEST(Published, SemiImplicitEulerFallsHalfAStepTooFar) {
   const Trajectory t = run("semi-implicit-euler", box, to_the_end(10, 10000));
   EXPECT_NEAR(Wide(t.samples.back().p.z() - exact).convert_to<double>(), -0.049, 1e-9);
   EXPECT_EQ(box.translation->acceleration.z(), -9.8);
+  // By the program, with every engine that falls like this; Bullet and what is installed beside it.
+  const std::vector<std::string> engines{"bullet-implicit-body", "mujoco-euler", "ode-step", "dart"};
+  for (const Method* m : all_methods())
+    if (const std::string id(m->id); std::count(engines.begin(), engines.end(), id) > 0) {
+      const auto columns = printed_by("simulate tumbling-box --h 1e-3 --solver " + id);
+      EXPECT_NEAR(Wide(Wide(columns.at("pz_m").back()) - exact).convert_to<double>(), -0.049, 1e-9) << id;
+    }
 }
 
 TEST(Published, MujocoFreeBody) {
@@ -413,6 +420,25 @@ TEST(Published, MujocoFreeBody) {
   };
   expect_digits(growth("bullet-explicit"), "1.086895");
   expect_digits(growth("bullet-implicit-body"), "0.926008");
+
+  // The same by the program, with MuJoCo itself where it is installed.
+  const TemporaryFolder folder;
+  const auto file = folder.write("box.toml",
+                                 "title = \"box\"\nduration = 5.0\n[body]\nmass = 1.0\nshape = \"box\"\n"
+                                 "size = [0.2, 0.4, 0.6]\n[initial]\nangular_velocity = [1, 2, 3]\n");
+  const auto printed_growth = [&](const std::string& solver) {
+    const auto columns = printed_by("simulate '" + file.string() + "' --h 0.01 --solver " + solver);
+    return Wide(Wide(columns.at("energy_J").back()) / Wide(columns.at("energy_J").front()));
+  };
+  const std::vector<std::string> explicit_ones{"bullet-explicit", "bullet-multibody", "mujoco-euler", "dart"},
+      implicit_ones{"bullet-implicit-body", "bullet-world", "mujoco-implicit"};
+  for (const Method* m : all_methods()) {
+    const std::string id(m->id);
+    if (std::count(explicit_ones.begin(), explicit_ones.end(), id) > 0)
+      expect_digits(printed_growth(id), "1.086895");
+    if (std::count(implicit_ones.begin(), implicit_ones.end(), id) > 0)
+      expect_digits(printed_growth(id), "0.926008");
+  }
 }
 
 /// Bullet's explicit gyroscopic step with what it cuts: the torque at 100 N m and the rotation of a step at
@@ -446,6 +472,16 @@ TEST(Published, ThinRodGainsEnergyFromTheExplicitStep) {
   expect_digits(Wide(energy.back()) / Wide(energy.front()), "1.0079");
   // At 100 rad/s both cuts are met: bullet-explicit ends such a run as clamped, its step goes on. Two digits.
   expect_digits(Wide(energy_growth_of_thin_rod(100)), "7.0e6");
+  const TemporaryFolder folder;
+  const auto file = folder.write("rod.toml",
+                                 "title = \"rod\"\nduration = 10.0\n[body]\nmass = 1.0\n"
+                                 "inertia = [1.7231e-4, 6.58e-6, 1.7243e-4]\n[initial]\n"
+                                 "angular_velocity = [1, 100, 1]\n");
+  const CommandResult cut =
+      polhode_command("simulate '" + file.string() + "' --solver bullet-explicit --h 1e-3");
+  EXPECT_EQ(cut.exit_code, 1);
+  EXPECT_NE(cut.err.find("clamped"), std::string::npos) << cut.err;
+  EXPECT_NE(cut.err.find("pi/4"), std::string::npos) << cut.err;
 }
 
 }  // namespace

@@ -1,8 +1,9 @@
 // Engines: other programs' integrators, each built as a module of its own (bullet.cpp and so on in this
 // folder).
 //
-// A module exports one C function, `polhode_engine_rows`, that hands out its rows. It is opened with
-// RTLD_LOCAL, because two builds of one engine (single and double precision) share their symbol names.
+// A module exports one C function, `polhode_engine_rows`, that hands out its rows. It is opened when somebody
+// asks for it, and with RTLD_LOCAL, because two builds of one engine (single and double precision) share
+// their symbol names.
 #pragma once
 #include <vector>
 
@@ -10,8 +11,16 @@
 
 namespace polhode {
 
-/// Opens every module of engines.def that is there; those that are not come back with what is missing.
-std::vector<EngineStatus> load_engines();
+/// How many engines engines.def has.
+std::size_t engine_count();
+
+/// Could a row of engine i have this id, or one that this glob matches? Asked of the names alone: opens
+/// nothing.
+bool may_serve(std::size_t i, std::string_view pattern);
+
+/// Engine i, in the order of engines.def, its module opened if it has not been. One that is not there, cannot
+/// be opened or is of another version comes back with what is missing. Not to be called from two threads.
+const EngineStatus& open_engine(std::size_t i);
 
 using EngineRows = const MethodRows* (*)();
 constexpr const char* engine_entry = "polhode_engine_rows";
