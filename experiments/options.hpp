@@ -14,9 +14,11 @@ struct Options {
   std::optional<double> h;            // s
   std::optional<double> duration;     // s, instead of the scene's own
   std::optional<double> rtol, atol;
-  std::optional<std::int64_t> samples;  // N: rows at 0, T/N, ..., T
-  std::vector<double> times;            // s, exactly these rows
-  std::optional<std::string> output;    // folder, file, or "-" for stdout
+  std::optional<std::int64_t> samples;       // N: rows at 0, T/N, ..., T
+  std::vector<double> times;                 // s, exactly these rows
+  std::optional<std::string> dial;           // of stability: the place of a number in the scene file,
+  std::optional<double> dial_from, dial_to;  // and its range; all three or none
+  std::optional<std::string> output;         // folder, file, or "-" for stdout
   bool quick = false, json = false, force = false, quiet = false, verbose = false;
   int jobs = 0;  // parallel error runs; 0: as many as there are cores. Timing is never parallel.
   std::optional<double> timeout_s;  // per run

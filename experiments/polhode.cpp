@@ -17,8 +17,8 @@ namespace {
 
 /// What was typed, as text: numbers are read by us, whole, so that 1e-3x, nan and "" are errors.
 struct Typed {
-  std::vector<std::string> scenes, solvers;
-  std::string duration, steps, h, rtol, atol, samples, times, output, jobs, timeout, digits;
+  std::vector<std::string> scenes, more_scenes, solvers;
+  std::string dial, from, to, duration, steps, h, rtol, atol, samples, times, output, jobs, timeout, digits;
   bool has_output = false, quick = false, json = false, force = false, quiet = false, verbose = false;
 };
 
@@ -53,6 +53,7 @@ Options options_of(const Typed& typed, const CLI::App& verb) {
   exclusive("--quiet", "--verbose");
   Options o;
   o.scenes = typed.scenes;
+  o.scenes.insert(o.scenes.end(), typed.more_scenes.begin(), typed.more_scenes.end());
   o.solvers = typed.solvers;
   if (given("--duration"))
     o.duration = real("--duration", typed.duration, 1e-12, 1e12, "seconds, from 1e-12 to 1e12");
@@ -70,6 +71,15 @@ Options options_of(const Typed& typed, const CLI::App& verb) {
                              huge, "times >= 0 in seconds, separated by commas"));
       from = comma + 1;
     }
+  }
+  if (given("--dial") != given("--from") || given("--dial") != given("--to"))
+    throw UsageError("--dial, --from and --to belong together: a place in the scene file and its range");
+  if (given("--dial")) {
+    if (o.scenes.empty()) throw UsageError("--dial: which scene's? Name one");
+    o.dial = typed.dial;
+    o.dial_from = real("--from", typed.from, 1e-30, 1e30, "a number from 1e-30 to 1e30");
+    o.dial_to = real("--to", typed.to, 1e-30, 1e30, "a number from 1e-30 to 1e30");
+    if (!(*o.dial_to > *o.dial_from)) throw UsageError("--to: got " + typed.to + ", needs more than --from");
   }
   if (given("--output")) {
     if (typed.output.empty())
@@ -90,6 +100,11 @@ Options options_of(const Typed& typed, const CLI::App& verb) {
 
 void add_options(CLI::App& verb, Typed& typed) {
   verb.add_option("SCENE", typed.scenes, "built-in ids or paths of TOML files");
+  verb.add_option("--scene", typed.more_scenes, "the same, repeatable")->allow_extra_args(false);
+  verb.add_option("--dial", typed.dial,
+                  "stability: the number of the scene file to vary (load[0].coefficients, duration, ...)");
+  verb.add_option("--from", typed.from, "and its least value");
+  verb.add_option("--to", typed.to, "and its largest; between them, one value a decade");
   verb.add_option("--solver", typed.solvers, "solver id or glob, repeatable ('cvode-*')")
       ->allow_extra_args(false);
   verb.add_option("--duration", typed.duration, "how long the motion lasts, s; default: the scene's");
@@ -142,6 +157,7 @@ int run(int argc, char** argv) {
   Options options = options_of(typed, verb);
   options.command_line = "polhode";
   for (int i = 1; i < argc; ++i) options.command_line += std::string(" ") + argv[i];
+  if (options.dial && verb.get_name() != "stability") throw UsageError("--dial: only stability turns dials");
   for (const Verb& v : all_verbs())
     if (verb.get_name() == v.id) return v.run(options);
   return 70;
