@@ -279,7 +279,7 @@ TEST_F(Report, AnErrorOfZeroSitsOnTheLowerEndWithAMark) {
   ASSERT_FALSE(figures.empty());
   EXPECT_THAT(figures.front().script, HasSubstr("set yrange [0.001:0.01]"));
   EXPECT_THAT(figures.front().script, HasSubstr("shown(y) = y < 0.001 ? 0.001 : y"));
-  EXPECT_THAT(figures.front().script, HasSubstr("pointtype 11 pointsize 1.2"));
+  EXPECT_THAT(figures.front().script, HasSubstr("pointtype 11 pointsize 0.8"));
 }
 
 TEST_F(Report, ASolverLooksTheSameInEveryFolderOfOneRegistry) {

@@ -7,7 +7,7 @@ function element(space, tag, attributes, children) {
     if (name.startsWith("on_")) node.addEventListener(name.slice(3), value);
     else node.setAttribute(name, value === true ? "" : value);
   }
-  node.append(...children.flat().filter((child) => child !== null && child !== undefined && child !== false));
+  node.append(...children.flat(Infinity).filter((child) => child !== null && child !== undefined && child !== false));
   return node;
 }
 const el = (tag, attributes, ...children) => element(null, tag, attributes, children);
@@ -19,7 +19,7 @@ function place(section_id, classes, parts, draw) {
   document.getElementById(section_id).append(node);
   const redraw = () => {
     const content = draw();
-    node.replaceChildren(...[content].flat().filter((child) => child !== null && child !== undefined && child !== ""));
+    node.replaceChildren(...[content].flat(Infinity).filter((child) => child !== null && child !== undefined && child !== ""));
     node.hidden = node.childNodes.length === 0;
   };
   on_change(parts, redraw);

@@ -59,7 +59,8 @@ function one_map(t, rows, label, axis) {
   const cells = ratios.map(() => steps.map(() => null));
   for (const i of rows)
     cells[ratios.indexOf(t.number(i, "inertia_ratio"))][steps.indexOf(t.number(i, "h_w"))] =
-      { growth: t.number(i, "energy_growth_per_step"), outcome: t.text(i, "outcome") };
+      { growth: t.number(i, "energy_growth_per_step"), outcome: t.text(i, "outcome"),
+        grows: t.has("grows") ? t.text(i, "grows") === "1" : t.number(i, "energy_growth_per_step") > 1e-9 };
   const canvas = el("canvas", { class: "map", role: "img", "aria-label": label });
   const says_cell = el("output", { class: "soft" }, "\u00a0");
   const size = { width: 300, height: 250, left: 44, bottom: 34, top: 4, right: 6 };
@@ -96,8 +97,8 @@ function draw_map(canvas, size, cells, ratios, steps) {
     else ctx.rect(left(x) + w / 2 - 0.5, top(y) + h / 2 - 0.5, 1, 1);
     ctx.stroke();
   }));
-  // The line between keeping (or losing) and gaining: a gain is more than rounding does in a step.
-  const gains = (x, y) => { const c = cells[x]?.[y]; return !!c && (c.growth > 1e-9 || ["diverged", "not_finite"].includes(c.outcome)); };
+  // The line between keeping (or losing) and gaining.
+  const gains = (x, y) => { const c = cells[x]?.[y]; return !!c && (c.grows || ["diverged", "not_finite"].includes(c.outcome)); };
   ctx.strokeStyle = css("--ink");
   ctx.lineWidth = 1.4;
   ctx.beginPath();

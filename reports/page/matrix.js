@@ -2,10 +2,10 @@
 
 // Letter, look and meaning of a verdict. The looks differ in shape and letter, not in colour alone.
 const verdict_words = {
-  right: ["R", "good", "right: the error is as small as the setting promises"],
-  bounded_but_wrong: ["B", "fair", "bounded but wrong: energy and momentum stay near, the motion is another one"],
-  dissipates: ["D", "poor", "dissipates: loses energy that the body keeps"],
-  gains_energy: ["G", "bad", "gains energy that nothing gives it"],
+  right: ["R", "good", "right: attitude within 10⁻³ rad and rates within 10⁻³ of the truth (or ten times what doubles resolve)"],
+  bounded_but_wrong: ["B", "fair", "bounded but wrong: another motion, but its energy stays within a hundredth"],
+  dissipates: ["D", "poor", "dissipates: not right, and loses energy that the body keeps"],
+  gains_energy: ["G", "bad", "gains energy: not right, and gains what nothing gives it"],
   clamped: ["C", "odd", "clamped: the engine cut a rotation or a torque"],
   asleep: ["A", "odd", "asleep: the engine stopped a body that moves"],
   not_finite: ["N", "bad", "not finite: the state left the numbers"],
@@ -38,7 +38,7 @@ function extremes_part() {
       const value = t.number(i, "value");
       const knob = Number.isFinite(t.number(i, "knob_value")) ? `, ${setting(t.text(i, "knob"), t.number(i, "knob_value"))}` : "";
       return verdict_cell(t.text(i, "verdict"), `${solver}${knob}: ${verdict_of(t.text(i, "verdict"))[2]}`
-        + (Number.isFinite(value) ? `; ${t.text(i, "value_meaning")} ${pretty(value)}` : ""));
+        + (Number.isFinite(value) ? `; ${spaced(t.text(i, "value_meaning"))} ${pretty(value)}` : ""));
     };
     return data_table([
       { title: "Solver", head: true, cell: named },
@@ -50,25 +50,39 @@ function extremes_part() {
     .filter((id) => met.has(id)).map((id) => el("li", {}, verdict_cell(id), " ", verdict_of(id)[2]))));
 }
 
+const below_floor_words = { keeps: "keeps its best", worse: "gets worse", fails: "does not end" };
+
 function tolerance_part() {
-  const t = table("tolerance.csv");
+  const t = table("tolerance.csv"), v = table("tolerance_verdict.csv");
   if (t.rows === 0) return;
-  heading("stability", "Is the tolerance kept?");
-  place("stability", "how", [], () => "Error of the motion over the tolerance that was asked for. A tolerance bounds the error of a "
-    + "step, so that a ratio above one is no fault; one that grows as the tolerance shrinks, or a slope far from one, is.");
+  const scenes = t.values("scene");
+  heading("stability", "Does the error follow the tolerance?");
+  place("stability", "how", [], () => "Largest error over the tolerance that was asked for. A tolerance bounds the error of one step, so "
+    + "that a ratio above one is no fault; a slope far from one is, and so is a run that is deceived: off by more than ten (!) or a "
+    + "hundred (!!) tolerances times what the scene makes of any disturbance.");
+  place("stability", "", ["scene"], () => (scenes.includes(state.scene) ? [] : el("p", { class: "soft" }, "Not asked on this scene, but on: ",
+    scenes.map((scene) => el("button", { type: "button", class: "chip", on_click: () => change({ scene }) }, scene_title(scene))))));
   place("stability", "", ["scene", "theme"], () => {
-    const rows = t.where("scene", state.scene);
-    if (rows.length === 0) return el("p", { class: "soft" }, "Not asked on this scene.");
+    const rows = t.where("scene", state.scene), verdict_rows = v.where("scene", state.scene);
+    if (rows.length === 0) return [];
     const solvers = t.values("solver", rows), tolerances = t.values("rtol", rows).sort((a, b) => b - a);
+    const every = Math.ceil(tolerances.length / 6);
     const at = (solver, rtol) => rows.find((i) => t.text(i, "solver") === solver && t.text(i, "rtol") === rtol);
-    const cell = (i) => (i === undefined ? "–" : t.text(i, "outcome") !== "ok" ? spaced(t.text(i, "outcome"))
-      : [pretty(t.number(i, "error_over_tolerance"), 2), deceived(i) && el("small", {}, "deceived")]);
-    const deceived = (i) => ["1", "true", "yes"].includes(t.text(i, "deceived"));
-    const slope = (solver) => rows.map((i) => (t.text(i, "solver") === solver ? t.number(i, "slope") : NaN)).find(Number.isFinite);
+    const deceived = (i) => ({ 10: " !", 100: " !!" })[t.text(i, "deceived")];
+    const cell = (i) => (i === undefined ? "–" : t.text(i, "outcome") !== "ok" ? el("small", {}, spaced(t.text(i, "outcome")))
+      : [pretty(t.number(i, "error_over_tolerance"), 2), deceived(i) && el("span", { class: "badge bad" }, deceived(i))]);
+    const verdict = (solver) => verdict_rows.find((i) => v.text(i, "solver") === solver);
+    const told = (title, hint, text) => verdict_rows.length > 0 && { title, hint, cell: (solver) => {
+      const i = verdict(solver);
+      return i === undefined ? "–" : text(i);
+    } };
     return data_table([
       { title: "Solver", head: true, cell: named },
-      ...tolerances.map((rtol) => ({ title: `rtol ${pretty(Number(rtol))}`, number: true, cell: (solver) => cell(at(solver, rtol)) })),
-      { title: "Slope", number: true, hint: "of the error in the tolerance", cell: (solver) => pretty(slope(solver) ?? NaN, 2) },
-    ], solvers, { label: "Error over tolerance", tall: true });
+      ...tolerances.filter((_, k) => k % every === 0).map((rtol) => ({ title: `rtol ${pretty(Number(rtol))}`, number: true,
+        cell: (solver) => cell(at(solver, rtol)) })),
+      told("Slope", "of the error against the tolerance, above the rounding floor", (i) => (Number.isFinite(v.number(i, "slope"))
+        ? `${v.number(i, "slope").toFixed(2)} ± ${pretty(v.number(i, "slope_error"), 1)}` : "–")),
+      told("Below the floor", "what tolerances finer than rounding do", (i) => below_floor_words[v.text(i, "below_floor")] || "–"),
+    ].filter(Boolean), solvers, { label: "Error over tolerance", tall: true });
   });
 }

@@ -1,9 +1,10 @@
 // Which solvers the charts show: families as chips, the best of each or every member, and any solver by name. The same
-// choice holds in all sections, so each of these controls shows it.
+// choice holds in all sections, so each of these controls shows it; after the first they are folded.
 
 let pickers = 0;
 function solver_picker(section_id, candidates) {
-  const id = `solvers-${++pickers}`;
+  const id = `solvers-${++pickers}`, first = pickers === 1;
+  let open = first;
   place(section_id, "picker", ["scene", "families", "every", "pinned", "theme", "norm", "bound"], () => {
     const here = candidates();
     if (here.size === 0) return [];
@@ -20,7 +21,7 @@ function solver_picker(section_id, candidates) {
         if (here.has(event.target.value)) change({ pinned: new Set([...state.pinned, event.target.value]) });
         else event.target.value = "";
       } });
-    return [
+    const controls = [
       el("div", { class: "chips", role: "group", "aria-label": "Families" }, families.map(chip),
         el("button", { type: "button", class: "chip plain",
           on_click: () => change({ families: new Set(all_on ? [] : families) }) }, all_on ? "None" : "All families")),
@@ -33,6 +34,9 @@ function solver_picker(section_id, candidates) {
             el("button", { type: "button", class: "chip", title: "Remove", "aria-label": `Remove ${solver}`,
               on_click: () => toggle("pinned", solver) }, glyph(solver), code(solver), " ×")))),
     ];
+    if (first) return controls;
+    return el("details", { open, on_toggle: (event) => { open = event.target.open; } },
+      el("summary", {}, `Solvers shown: ${shown(here).length} of ${here.size}`), controls);
   });
 }
 

@@ -80,6 +80,8 @@ function limits_table(t, solvers) {
     count("Right-hand sides", "rhs_evals_1e3"),
     time("Step for 10⁻⁶", "largest_accurate_h_1e6_s", "largest step with an error below 10⁻⁶"),
     count("Right-hand sides", "rhs_evals_1e6"),
+    t.has("order_while_stiff") && { title: "Order while stiff", number: true, hint: "beside the order that it claims where nothing is stiff",
+      cell: (i) => [pretty(t.number(i, "order_while_stiff"), 2), el("small", {}, `claimed ${pretty(t.number(i, "claimed_order"))}`)] },
     { title: "First failure", cell: (i) => spaced(t.text(i, "outcome")) },
   ].filter(Boolean), rows, { label: "Stability limits", tall: true }), true);
 }
