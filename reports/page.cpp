@@ -30,18 +30,19 @@ void flatten(const nlohmann::ordered_json& value, const std::string& name, Prove
   if (value.is_object()) {
     for (const auto& [key, item] : value.items()) flatten(item, below(key), out);
   } else if (value.is_array() && !value.empty() && value.front().is_structured()) {
+    // A list of things with ids reads better under those ids than under numbers.
     for (const auto& item : value) {
-      // A list of things with ids reads better under those ids than under numbers.
-      if (item.is_object() && item.contains("id") && item["id"].is_string()) {
-        std::string text;
-        for (const auto& [key, part] : item.items())
-          if (key != "id" && !part.is_null())
-            text += (text.empty() ? "" : ", ") + key + " " +
-                    (part.is_string() ? part.get<std::string>() : part.dump());
-        out.emplace_back(below(item["id"].get<std::string>()), text);
-      } else {
+      const char* key_of_item = item.contains("id") ? "id" : "scene";
+      if (!item.is_object() || !item.contains(key_of_item) || !item[key_of_item].is_string()) {
         out.emplace_back(name, item.dump());
+        continue;
       }
+      std::string text;
+      for (const auto& [key, part] : item.items())
+        if (key != key_of_item && !part.is_null())
+          text += (text.empty() ? "" : ", ") + key + " " +
+                  (part.is_string() ? part.get<std::string>() : part.dump());
+      out.emplace_back(below(item[key_of_item].get<std::string>()), text);
     }
   } else if (value.is_array()) {
     std::string text;

@@ -63,7 +63,7 @@ function dataset(s, limits) {
   const points = s.points.map((p) => ({ ...p,
     x: p.edge === "x" ? limits.x.high : clamped(p.x, limits.x), y: clamped(p.y, limits.y) }));
   return {
-    label: s.name || s.solver, solver: s.solver, data: points, showLine: true, colour,
+    label: s.name || s.solver, solver: s.solver, data: points, showLine: true, colour, clip: 8,
     borderColor: colour, borderWidth: 1.6, borderDash: dashed || s.dashed ? [5, 3] : [], tension: 0,
     pointStyle: points.map((p) => (p.edge ? "crossRot" : { circle: "circle", square: "rect", diamond: "rectRot",
       up: "triangle", down: "triangle", left: "triangle" }[shape])),

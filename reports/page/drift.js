@@ -79,7 +79,7 @@ function verdicts(t, solvers, quantity) {
     const kind = v.text(i, "class"), [badge, words] = drift_words[kind] || ["", spaced(kind)];
     const exponent = v.number(i, "exponent"), largest = v.has("max_abs") ? v.number(i, "max_abs") : NaN;
     return [el("span", { class: `badge ${badge}` }, words), el("small", {}, [
-      Number.isFinite(exponent) && (kind === "exponential" ? `rate ${pretty(exponent)}/s` : `exponent ${pretty(exponent, 2)}`),
+      Number.isFinite(exponent) && (kind === "exponential" ? `rate ${pretty(exponent)}/s` : `exponent ${exponent.toFixed(2)}`),
       Number.isFinite(largest) && `up to ${pretty(largest)}`].filter(Boolean).join(", "))];
   });
   const others = quantities_of(t, state.scene).filter((q) => q !== quantity);

@@ -34,9 +34,11 @@ function heat_map_part() {
   heading("stability", "Stability maps");
   const solvers = in_order(new Set(t.values("solver")));
   state.map_solver = solvers[0];
-  state.map_other = solvers[1] ?? "";
+  // Beside the first: one of another kind, as far down the list as there is.
+  const far = family_of.get(solvers[solvers.length - 1]);
+  state.map_other = solvers.length > 1 ? solvers.find((solver, i) => i > 0 && family_of.get(solver) === far) : "";
   place("stability", "how", [], () => "A body spins near one of its principal axes. Across: its shape, from a rod to a disc; up: the "
-    + "angle that it turns in a step. Blue loses energy, orange gains it; the line is where it begins to gain.");
+    + "angle that it turns in a step. Blue loses energy, orange gains it; the line is where it begins to gain, the dashed one where linear theory says so.");
   place("stability", "controls", ["map_solver", "map_other"], () => [
     pick("Solver", solvers.map((s) => [s, s]), state.map_solver, (map_solver) => change({ map_solver })),
     solvers.length > 1 && pick("beside", [["", "none"], ...solvers.map((s) => [s, s])], state.map_other,
@@ -61,10 +63,14 @@ function one_map(t, rows, label, axis) {
     cells[ratios.indexOf(t.number(i, "inertia_ratio"))][steps.indexOf(t.number(i, "h_w"))] =
       { growth: t.number(i, "energy_growth_per_step"), outcome: t.text(i, "outcome"),
         grows: t.has("grows") ? t.text(i, "grows") === "1" : t.number(i, "energy_growth_per_step") > 1e-9 };
+  const theory = ratios.map((ratio) => {
+    const i = rows.find((row) => t.number(row, "inertia_ratio") === ratio);
+    return t.has("theory_h_w") ? t.number(i, "theory_h_w") : NaN;
+  });
   const canvas = el("canvas", { class: "map", role: "img", "aria-label": label });
   const says_cell = el("output", { class: "soft" }, "\u00a0");
   const size = { width: 300, height: 250, left: 44, bottom: 34, top: 4, right: 6 };
-  draw_map(canvas, size, cells, ratios, steps);
+  draw_map(canvas, size, cells, ratios, steps, theory);
   canvas.addEventListener("pointermove", (event) => {
     const box = canvas.getBoundingClientRect(), scale = size.width / box.width;
     const x = Math.floor((((event.clientX - box.left) * scale - size.left) / (size.width - size.left - size.right)) * ratios.length);
@@ -76,7 +82,7 @@ function one_map(t, rows, label, axis) {
   return el("figure", { class: "map-figure" }, el("figcaption", {}, sentence_case(axes_words[axis])), canvas, says_cell);
 }
 
-function draw_map(canvas, size, cells, ratios, steps) {
+function draw_map(canvas, size, cells, ratios, steps, theory) {
   const dpr = Math.max(2, devicePixelRatio);
   canvas.width = size.width * dpr;
   canvas.height = size.height * dpr;
@@ -108,6 +114,18 @@ function draw_map(canvas, size, cells, ratios, steps) {
       if (y + 1 < steps.length && gains(x, y) !== gains(x, y + 1)) { ctx.moveTo(left(x), top(y)); ctx.lineTo(left(x) + w, top(y)); }
     }
   ctx.stroke();
+  // Linear theory, where it has a limit within the map.
+  const decades = Math.log10(steps[steps.length - 1] / steps[0]) / Math.max(1, steps.length - 1);
+  ctx.setLineDash([3, 2]);
+  ctx.beginPath();
+  theory.forEach((limit, x) => {
+    const y = size.height - size.bottom - (Math.log10(limit / steps[0]) / decades + 0.5) * h;
+    if (y < size.top || y > size.height - size.bottom) return;
+    ctx.moveTo(left(x), y);
+    ctx.lineTo(left(x) + w, y);
+  });
+  ctx.stroke();
+  ctx.setLineDash([]);
   map_axes(ctx, size, ratios, steps, left, top, w, h);
 }
 

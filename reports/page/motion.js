@@ -26,6 +26,9 @@ function motion_section() {
   });
 }
 
+// The tables of the page have five digits.
+const off_by = (error) => (error < 1e-4 ? "off by less than 10⁻⁴ rad" : `off by ${pretty(error, 2)} rad`);
+
 function tumbling(holder) {
   const t = table("motion.csv"), exact = motion_of(state.scene, truth_solver()), moments = moments_of(state.scene);
   const solvers = in_order(new Set(t.values("solver", t.where("scene", state.scene))))
@@ -50,7 +53,7 @@ function tumbling(holder) {
       const { q, ended } = state_at(body.motion, part * end);
       body.pose.q = quaternion_product(up, q);
       const words = `${body.motion.setting}, ` + (ended ? spaced(body.motion.outcome === "ok" ? "ended" : body.motion.outcome)
-        : `off by ${pretty(attitude_error(truth.q, q), 2)} rad`);
+        : off_by(attitude_error(truth.q, q)));
       if (body.says_error.textContent !== words) body.says_error.textContent = words;
     }
     stage.draw();

@@ -53,7 +53,8 @@ function polhode_pair(holder, exact, other) {
   const radii = moments.map((moment) => Math.sqrt(2 * energy * moment) / size);
   const items = [
     ...(free ? [{ kind: "ball", radii: [1, 1, 1], colour: soft, opacity: 0.1 }, ...graticule([1, 1, 1], soft, 0.35),
-      { kind: "ball", radii, colour: css("--accent-hex"), opacity: 0.08 }, ...graticule(radii, css("--accent-hex"), 0.3),
+      ...(Math.max(...radii) < ellipsoid_reach ? [{ kind: "ball", radii, colour: css("--accent-hex"), opacity: 0.08 }] : []),
+      ...graticule(radii, css("--accent-hex"), 0.3),
       ...separatrices(moments, soft)] : []),
     { kind: "line", points: path(exact), colour: ink, width: 2.4 },
     { kind: "dot", at: at.exact, colour: ink },
@@ -63,8 +64,7 @@ function polhode_pair(holder, exact, other) {
   holder.replaceChildren(left, right);
   const key = el("p", { class: "caption" }, el("b", {}, "Momentum in the body"), " — ", el("span", { class: "stroke", style: `color: ${ink}` }), "exact",
     other && [" ", el("span", { class: "stroke", style: `color: ${colour}` }), code(other.solver)], free && " · grey: sphere, blue: ellipsoid, dashed: separatrices");
-  const reach = Math.max(1.15, ...radii.map((r) => Math.min(r, 2.2)), ...items.filter((i) => i.kind === "line" && i.width > 1)
-    .flatMap((i) => i.points.map(norm3))) * 1.03;
+  const reach = Math.min(1.8, Math.max(...items.filter((item) => item.kind === "line").flatMap((item) => item.points.map(norm3)))) * 1.05;
   const stage = new Stage(left, [{ caption: key, items }], { height: 380, label: "Polhode in three dimensions", reach });
   const flat = herpolhode(right, exact, other, start, ink, colour);
   stage.draw();
@@ -80,11 +80,24 @@ function polhode_pair(holder, exact, other) {
   };
 }
 
-// Lines of an ellipsoid, every 30 degrees.
+const ellipsoid_reach = 1.4;  // farther out it says nothing about the sphere, and would hide it
+
+// Lines of an ellipsoid, every 30 degrees, as far as they stay near the sphere.
 function graticule(radii, colour, opacity) {
   const lines = [];
-  const line = (point) => lines.push({ kind: "line", colour, opacity, width: 0.7, points: Array.from({ length: 73 }, (_, k) =>
-    point((2 * Math.PI * k) / 72).map((x, i) => x * radii[i])) });
+  const line = (point) => {
+    let points = [];
+    const end = () => {
+      if (points.length > 1) lines.push({ kind: "line", colour, opacity, width: 0.7, points });
+      points = [];
+    };
+    for (let k = 0; k <= 144; ++k) {
+      const p = point((2 * Math.PI * k) / 144).map((x, i) => x * radii[i]);
+      if (norm3(p) < ellipsoid_reach) points.push(p);
+      else end();
+    }
+    end();
+  };
   for (let k = 0; k < 6; ++k) {
     const a = (Math.PI * k) / 6;
     line((s) => [Math.cos(a) * Math.sin(s), Math.sin(a) * Math.sin(s), Math.cos(s)]);
