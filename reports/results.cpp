@@ -45,8 +45,8 @@ std::map<std::string, Mark> marks_of(const std::vector<std::pair<std::string, st
     mark.colour = shaded(palette[n % palette.size()], static_cast<int>(member));
     // Two families of one hue never share a mark.
     constexpr std::size_t half = filled_marks.size() / 2;
-    mark.filled = filled_marks[n / palette.size() % 2 * half + (member + n) % half];
-    mark.dash = member / 3 % 2 == 0 ? 1 : 2;
+    mark.filled = filled_marks[n / palette.size() % 2 * half + (member + member / half + n) % half];
+    mark.dash = member / 9 % 2 == 0 ? 1 : 2;
     marks.emplace(id, mark);
   }
   return marks;

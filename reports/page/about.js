@@ -37,11 +37,11 @@ function solvers_section() {
       const rows = t.where("family", family);
       return folded(el("span", {}, `${sentence_case(family)} `, el("small", {}, rows.length)), data_table([
         { title: "Solver", head: true, cell: (i) => named(t.text(i, "solver")) },
-        { title: "Order", number: true, cell: (i) => t.text(i, "order") || "–" },
-        ...claims.map((name) => ({ title: claim_words[name], cell: (i) => answer(i, name) })),
         { title: "What it is", cell: (i) => el("div", { class: "words" }, t.text(i, "summary"), el("small", {},
           [t.text(i, "source"), t.text(i, "version")].filter(Boolean).join(" · "))) },
-      ], rows, { label: `Solvers: ${family}` }));
+        { title: "Order", number: true, cell: (i) => t.text(i, "order") || "–" },
+        ...claims.map((name) => ({ title: claim_words[name], cell: (i) => answer(i, name) })),
+      ], rows, { label: `Solvers: ${family}`, narrow_heads: true }));
     });
   });
 }

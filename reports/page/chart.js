@@ -3,7 +3,8 @@
 
 // figure: {
 //   x, y      {title, low?, high?}: limits where data alone would not do
-//   series    [{solver, name?, dashed?, points: [{x, y, hollow?, edge?, lines}]}], lines being what the hover says
+//   series    [{solver, name?, dashed?, points: [{x, y, hollow?, edge?, lines}]}], lines being what the hover says;
+//             dashed overrides the look of the solver, and what is dashed so is not in the legend
 //   guides    [{points: [[x, y], [x, y]], label}], dotted lines behind the data
 //   band      {axis: "x" | "y", to, label}: shaded from the lower end of an axis up to a value
 //   label     what the chart shows, for those who cannot see it
@@ -64,7 +65,7 @@ function dataset(s, limits) {
     x: p.edge === "x" ? limits.x.high : clamped(p.x, limits.x), y: clamped(p.y, limits.y) }));
   return {
     label: s.name || s.solver, solver: s.solver, data: points, showLine: true, colour, clip: 8,
-    borderColor: colour, borderWidth: 1.6, borderDash: dashed || s.dashed ? [5, 3] : [], tension: 0,
+    borderColor: colour, borderWidth: 1.6, borderDash: s.dashed ?? dashed ? [5, 3] : [], tension: 0,
     pointStyle: points.map((p) => (p.edge ? "crossRot" : { circle: "circle", square: "rect", diamond: "rectRot",
       up: "triangle", down: "triangle", left: "triangle" }[shape])),
     rotation: { down: 180, left: -90 }[shape] || 0,
@@ -192,5 +193,5 @@ function legend(holder, figure) {
   };
   const entry = (s) => el("li", { tabindex: "0", on_mouseenter: () => emphasise(s.solver), on_mouseleave: () => emphasise(null),
     on_focus: () => emphasise(s.solver), on_blur: () => emphasise(null) }, glyph(s.solver), code(s.name || s.solver));
-  return el("ul", { class: "legend-list", "aria-label": "Solvers in the chart" }, figure.series.map(entry));
+  return el("ul", { class: "legend-list", "aria-label": "Solvers in the chart" }, figure.series.filter((s) => !s.dashed).map(entry));
 }

@@ -44,7 +44,7 @@ function clock_controls(section_id) {
     const says = el("output", { class: "soft" });
     const show = (part) => {
       slider.value = 1000 * part;
-      const [number, unit] = pretty_time(end).split(" ");
+      const [number, unit] = pretty_time(end).split("\u00a0");
       says.textContent = `t = ${(part * Number(number)).toPrecision(3)} of ${number} ${unit}`;
     };
     show(clock.part);

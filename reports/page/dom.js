@@ -34,7 +34,7 @@ function data_table(columns, rows, options = {}) {
     const content = c.cell(row, i);
     return el(c.head ? "th" : "td", { class: c.number && "n", scope: c.head && "row" }, content ?? "–");
   };
-  return el("div", { class: "wrap" + (options.tall ? " tall" : ""), tabindex: "0", role: "region",
+  return el("div", { class: `wrap${options.tall ? " tall" : ""}${options.narrow_heads ? " narrow-heads" : ""}`, tabindex: "0", role: "region",
     "aria-label": options.label || "table" },
     el("table", {}, el("thead", {}, el("tr", {}, columns.map(heading))),
       el("tbody", {}, rows.map((row, i) => el("tr", {}, columns.map((c) => cell(c, row, i)))))));

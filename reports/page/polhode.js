@@ -44,15 +44,20 @@ function when_near(holder, work) {
 function polhode_pair(holder, exact, other) {
   const moments = moments_of(state.scene);
   const momentum = (w) => w.map((x, i) => x * moments[i]);
-  const start = momentum(exact.w[0]), energy = exact.w[0].reduce((sum, x, i) => sum + moments[i] * x * x / 2, 0);
+  const energy_of = (w) => w.reduce((sum, x, i) => sum + moments[i] * x * x / 2, 0);
+  const start = momentum(exact.w[0]), energy = energy_of(exact.w[0]);
   const largest = Math.max(...exact.w.map((w) => norm3(momentum(w))));
-  const free = norm3(start) > 1e-6 * largest, size = free ? norm3(start) : largest;
+  // Of a body under a torque neither surface holds what it does.
+  const free = exact.w.every((w) => Math.abs(energy_of(w) - energy) < 1e-3 * energy
+    && Math.abs(norm3(momentum(w)) - norm3(start)) < 1e-3 * norm3(start));
+  const size = largest;
   const path = (motion) => motion.w.map((w) => scaled(momentum(w), 1 / size)).filter((p) => norm3(p) < 4);
   const ink = css("--ink-hex"), soft = css("--soft-hex"), colour = other && look(other.solver).colour;
   const at = { exact: { point: scaled(start, 1 / size) }, other: { point: scaled(start, 1 / size) } };
   const radii = moments.map((moment) => Math.sqrt(2 * energy * moment) / size);
   const items = [
-    ...(free ? [{ kind: "ball", radii: [1, 1, 1], colour: soft, opacity: 0.1 }, ...graticule([1, 1, 1], soft, 0.35),
+    ...graticule([1, 1, 1], soft, free ? 0.35 : 0.15),
+    ...(free ? [{ kind: "ball", radii: [1, 1, 1], colour: soft, opacity: 0.1 },
       ...(Math.max(...radii) < ellipsoid_reach ? [{ kind: "ball", radii, colour: css("--accent-hex"), opacity: 0.08 }] : []),
       ...graticule(radii, css("--accent-hex"), 0.3),
       ...separatrices(moments, soft)] : []),
@@ -63,7 +68,7 @@ function polhode_pair(holder, exact, other) {
   const left = el("div", { class: "half" }), right = el("div", { class: "half" });
   holder.replaceChildren(left, right);
   const key = el("p", { class: "caption" }, el("b", {}, "Momentum in the body"), " — ", el("span", { class: "stroke", style: `color: ${ink}` }), "exact",
-    other && [" ", el("span", { class: "stroke", style: `color: ${colour}` }), code(other.solver)], free && " · grey: sphere, blue: ellipsoid, dashed: separatrices");
+    other && [" ", el("span", { class: "stroke", style: `color: ${colour}` }), code(other.solver)], free ? " · grey: sphere, blue: ellipsoid, dashed: separatrices" : " · under a torque: no sphere, no ellipsoid");
   const reach = Math.min(1.8, Math.max(...items.filter((item) => item.kind === "line").flatMap((item) => item.points.map(norm3)))) * 1.05;
   const stage = new Stage(left, [{ caption: key, items }], { height: 380, label: "Polhode in three dimensions", reach });
   const flat = herpolhode(right, exact, other, start, ink, colour);
@@ -131,7 +136,9 @@ function herpolhode(holder, exact, other, start, ink, colour) {
   const canvas = el("canvas", { class: "flat", role: "img", "aria-label": "Herpolhode: the angular velocity in the invariable plane" });
   holder.replaceChildren(el("p", { class: "caption" }, el("b", {}, "Angular velocity in the invariable plane"),
     ` — width ${pretty(2 * reach)} rad/s`), canvas);
+  let now = 0;
   const draw = (time) => {
+    now = time;
     const size = canvas.clientWidth, dpr = Math.min(2, devicePixelRatio);
     if (size === 0) return;
     canvas.width = canvas.height = size * dpr;
@@ -153,7 +160,7 @@ function herpolhode(holder, exact, other, start, ink, colour) {
       ctx.fill();
     }
   };
-  new ResizeObserver(() => draw(0)).observe(canvas);
+  new ResizeObserver(() => draw(now)).observe(canvas);
   return draw;
 }
 

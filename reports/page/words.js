@@ -21,7 +21,7 @@ function pretty_time(seconds) {
   for (const [size, name] of [[1, "s"], [1e-3, "ms"], [1e-6, "µs"], [1e-9, "ns"]])
     if (seconds >= 0.9995 * size || size === 1e-9) {
       const value = seconds / size;
-      return `${value >= 999.5 ? value.toFixed(0) : Number(value.toPrecision(3))} ${name}`;
+      return `${value >= 999.5 ? value.toFixed(0) : Number(value.toPrecision(3))}\u00a0${name}`;
     }
   return "–";
 }
