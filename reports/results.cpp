@@ -35,10 +35,10 @@ std::string shaded(unsigned rgb, int variant) {
 std::map<std::string, Mark> marks_of(const std::vector<std::pair<std::string, std::string>>& solvers) {
   std::map<std::string, Mark> marks;
   std::vector<std::pair<std::string, std::size_t>> families;  // with the number of members so far
-  for (const auto& [id, family] : solvers) {
-    auto found =
-        std::find_if(families.begin(), families.end(), [&](const auto& f) { return f.first == family; });
-    if (found == families.end()) found = families.insert(families.end(), {family, 0});
+  for (const auto& solver : solvers) {
+    auto found = std::find_if(families.begin(), families.end(),
+                              [&](const auto& f) { return f.first == solver.second; });
+    if (found == families.end()) found = families.insert(families.end(), {solver.second, 0});
     const auto n = static_cast<std::size_t>(found - families.begin());
     const std::size_t member = found->second++;
     Mark mark;
@@ -47,7 +47,7 @@ std::map<std::string, Mark> marks_of(const std::vector<std::pair<std::string, st
     constexpr std::size_t half = filled_marks.size() / 2;
     mark.filled = filled_marks[n / palette.size() % 2 * half + (member + member / half + n) % half];
     mark.dash = member / 9 % 2 == 0 ? 1 : 2;
-    marks.emplace(id, mark);
+    marks.emplace(solver.first, mark);
   }
   return marks;
 }
