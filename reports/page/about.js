@@ -52,7 +52,7 @@ function source_section() {
     const link = el("a", { href: URL.createObjectURL(new Blob([tables.get(name).csv], { type: "text/csv" })), download: name });
     link.click();
     URL.revokeObjectURL(link.href);
-  } }, code(name), el("small", {}, `${pretty_count(tables.get(name).rows)} rows`));
+  } }, code(name), el("small", {}, `${pretty_count(tables.get(name).csv.length / 1000)} kB`));
   place("source", "", [], () => [
     tables.size > 0 && el("p", { class: "how" }, "Tables inside this page, with numbers of five digits; the result folder has all of them, "
       + "and each figure as SVG and PDF with the gnuplot script that draws it."),

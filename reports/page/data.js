@@ -42,11 +42,14 @@ function csv_records(text) {
 class Table {
   constructor(csv) {
     this.csv = csv;
-    const records = csv_records(csv);
-    this.header = records.shift() || [];
-    this.records = records;
-    this.column = new Map(this.header.map((name, i) => [name, i]));
+    const [header] = csv_records(csv.slice(0, csv.indexOf("\n") + 1));
+    this.column = new Map((header || []).map((name, i) => [name, i]));
     this.groups = new Map();
+  }
+  // Split when first asked for: the largest tables are needed late.
+  get records() {
+    this.split ??= csv_records(this.csv).slice(1);
+    return this.split;
   }
   get rows() { return this.records.length; }
   has(name) { return this.column.has(name); }

@@ -19,11 +19,13 @@ function change(parts) {
   for (const [wanted, listener] of listeners) if (wanted.some((part) => changed.includes(part))) listener();
 }
 
-// Solvers with their families, in the order of solvers.csv, which is that of the registry; then any others.
+// Solvers with their families, in the order of solvers.csv, which is that of the registry and knows all of them; of a
+// folder without that table, those of the others.
 const family_of = new Map();
 function read_families() {
   const t = table("solvers.csv");
   for (let i = 0; i < t.rows; ++i) family_of.set(t.text(i, "solver"), t.text(i, "family") || "other");
+  if (t.rows > 0) return;
   for (const each of tables.values())
     if (each.has("solver"))
       for (const solver of each.values("solver")) if (solver && !family_of.has(solver)) family_of.set(solver, "other");
