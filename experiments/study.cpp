@@ -64,6 +64,9 @@ constexpr Column scene_columns[] = {
      "growth of a relative disturbance of the initial rates; empty: not known"},
     {"truth_uncertainty_rate_rel", ColumnType::number, "the same for the rates, relative"},
     {"floor_rate_rel", ColumnType::number, "what double precision can resolve of the rates, relative"},
+    {"moment_1_kg_m2", ColumnType::number, "principal moments, about the pivot where there is one, kg m^2"},
+    {"moment_2_kg_m2", ColumnType::number, ""},
+    {"moment_3_kg_m2", ColumnType::number, ""},
 };
 
 Cell order_cell(double order) { return order >= 0 ? Cell(order) : Cell(); }
@@ -83,6 +86,8 @@ Table solver_table() {
   return t;
 }
 
+Cell moment(const Scene& s, int i) { return s.rotation ? Cell(s.rotation->moments[i]) : Cell(); }
+
 Table scene_table(const Plan& plan) {
   Table t{"scenes.csv", scene_columns, {}};
   for (const Scene& s : plan.scenes) {
@@ -94,7 +99,7 @@ Table scene_table(const Plan& plan) {
            attitude ? Cell(truth->truth.attitude_uncertainty) : Cell(),
            attitude ? Cell(truth->attitude_floor) : Cell(), truth->truth.kind, number(truth->conditioning),
            s.rotation ? Cell(truth->truth.rate_uncertainty) : Cell(),
-           s.rotation ? Cell(truth->rate_floor) : Cell()});
+           s.rotation ? Cell(truth->rate_floor) : Cell(), moment(s, 0), moment(s, 1), moment(s, 2)});
   }
   return t;
 }

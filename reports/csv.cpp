@@ -27,6 +27,34 @@ const std::string& CsvTable::text(std::size_t row, std::string_view column) cons
   return rows_[row][found->second];
 }
 
+CsvTable CsvTable::selection(const std::vector<std::size_t>& rows) const {
+  CsvTable out;
+  out.header_ = header_;
+  out.index_ = index_;
+  for (const std::size_t i : rows) out.rows_.push_back(rows_.at(i));
+  return out;
+}
+
+std::string CsvTable::csv() const {
+  std::string out;
+  const auto add = [&out](const std::vector<std::string>& fields) {
+    for (std::size_t k = 0; k < fields.size(); ++k) {
+      if (k) out += ',';
+      if (fields[k].find_first_of(",\"\n\r") == std::string::npos) {
+        out += fields[k];
+        continue;
+      }
+      out += '"';
+      for (const char c : fields[k]) out += c == '"' ? "\"\"" : std::string(1, c);
+      out += '"';
+    }
+    out += '\n';
+  };
+  add(header_);
+  for (const auto& row : rows_) add(row);
+  return out;
+}
+
 double CsvTable::number(std::size_t row, std::string_view column) const {
   const std::string& field = text(row, column);
   double value = 0;

@@ -23,6 +23,11 @@ class CsvTable {
   bool has(std::string_view column) const;
   const std::vector<std::string>& header() const { return header_; }
 
+  /// Some of the rows, in the order given.
+  CsvTable selection(const std::vector<std::size_t>& rows) const;
+  /// The table as RFC 4180 text with LF.
+  std::string csv() const;
+
   /// One field; empty where the column is absent or the row is too short.
   const std::string& text(std::size_t row, std::string_view column) const;
 

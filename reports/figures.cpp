@@ -1,5 +1,5 @@
-// Figures as gnuplot scripts. Each draws one table of the result folder by relative path, twice: as SVG for
-// the page and as PDF for print. Which clauses a script needs is decided here, from the same table, because
+// Figures for papers, as gnuplot scripts with their data beside them. Each is drawn four times: as SVG and as
+// PDF, one column wide and two. Which clauses a script needs is decided here, from the same table, because
 // gnuplot complains about clauses without points.
 #include "reports/figures.hpp"
 
@@ -61,7 +61,7 @@ class LogRange {
 
 constexpr double least_shown_error = 1e-17;  // smaller relative errors mean nothing in double precision
 constexpr double highest_shown_drift = 1e3;  // an exponential escape leaves at the top
-constexpr int legend_row = 21;               // px
+constexpr std::size_t most_lines = 20;  // in one figure; of more solvers the best of each family are drawn
 
 struct Axes {
   std::string title, x_label, y_label;
@@ -83,36 +83,38 @@ std::string log_axis(char axis, const LogRange& range, const std::string& label)
 }
 
 std::string head(const Figure& f, const Axes& axes) {
-  std::string out = fmt::format("# Run in the result folder: gnuplot figures/{}.gp\n", f.name);
+  std::string out = fmt::format("# Run in this folder: gnuplot {0}.gp. Reads {0}.csv.\n", f.name);
   out +=
       "set encoding utf8\nset datafile separator comma\nset datafile columnheaders\nset datafile missing "
       "NaN\n";
   out += "set border 3 linecolor rgb '#555555' linewidth 0.8\nset tics nomirror out scale 0.6,0.3\n";
   out += "set grid xtics ytics linetype 1 linecolor rgb '#e4e4e4' linewidth 0.7\n";
-  out +=
-      "set key outside right top Left reverse samplen 2.4 spacing 1.0 noenhanced textcolor rgb '#333333'\n";
-  out += fmt::format("set label 1 {} at graph 0, character 0 noenhanced font ',15' textcolor rgb '#222222'\n",
-                     gnuplot_text(axes.title));
-  out += "set label 1 at graph 0, graph 1 offset character 0, character 1.2 left\nset tmargin 3.2\n";
+  out += fmt::format("set title {} noenhanced textcolor rgb '#222222'\n", gnuplot_text(axes.title));
   out += log_axis('x', axes.x, axes.x_label) + log_axis('y', axes.y, axes.y_label);
   return out;
 }
 
-std::string tail(const Figure& f) {
-  const double cm = 17.0 / f.width;  // a column of text is 17 cm wide
+/// Draws what was plotted once for every width and format: 7 pt letters, 84 mm for one column of a page and
+/// 174 mm for two, the legend below or beside.
+std::string drawing(const Figure& f, std::size_t legend) {
+  const auto rows = static_cast<double>(legend);
+  const double below = 62 + 3.4 * std::ceil(rows / 2), beside = std::max(100.0, 18 + 3.6 * rows);
   return fmt::format(
-      "if (strstrt(GPVAL_TERMINALS, 'pdfcairo') > 0) {{\n"
-      "  set terminal pdfcairo color size {0:.2f}cm,{1:.2f}cm font 'sans,12' fontscale 0.52 linewidth 0.8 "
-      "pointscale 0.6\n"
-      "  set output 'figures/{2}.pdf'\n  replot\n}}\nunset output\n",
-      f.width * cm, f.height * cm, f.name);
-}
-
-std::string terminal(const Figure& f) {
-  return fmt::format(
-      "set terminal svg size {},{} font 'Helvetica,13' background rgb '#ffffff'\n"
-      "set output 'figures/{}.svg'\n",
-      f.width, f.height, f.name);
+      "do for [mm in '84 174'] {{\n"
+      "  name = '{0}-'.mm.'mm'\n"
+      "  tall = mm eq '84' ? {1:.0f} : {2:.0f}  # mm\n"
+      "  set key default Left reverse noenhanced textcolor rgb '#333333'\n"
+      "  if (mm eq '84') {{ set key below height 1.5 maxcols 2 samplen 1.6 spacing 0.9 }}\n"
+      "  if (mm ne '84') {{ set key outside right top maxcols 1 samplen 2.2 spacing 1.0 }}\n"
+      "  px = 96 / 25.4  # of an SVG\n"
+      "  set terminal svg size mm*px, tall*px font 'Helvetica,9.3' linewidth 0.75 background rgb '#ffffff'\n"
+      "  set output name.'.svg'\n  replot\n"
+      "  if (strstrt(GPVAL_TERMINALS, 'pdfcairo') > 0) {{\n"
+      "    set terminal pdfcairo color size mm/10.0 cm, tall/10.0 cm font 'sans,14' fontscale 0.5 linewidth "
+      "0.75\n"
+      "    set output name.'.pdf'\n    replot\n  }}\n"
+      "  unset output\n}}\n",
+      f.name, below, beside);
 }
 
 /// The clauses of one plot command.
@@ -138,21 +140,20 @@ class Clauses {
 
 std::string line_look(const Mark& m) {
   return fmt::format(
-      "with linespoints linecolor rgb '{0}' linewidth 1.6 dashtype {1} pointtype {2} pointsize 0.7", m.colour,
-      m.dash, m.filled);
+      "with linespoints linecolor rgb '{0}' linewidth 1.6 dashtype {1} pointtype {2} pointsize 0.45",
+      m.colour, m.dash, m.filled);
 }
 
 std::string hollow_look(const Mark& m) {
-  return fmt::format("with points linecolor rgb '{}' linewidth 1.2 pointtype {} pointsize 0.7", m.colour,
+  return fmt::format("with points linecolor rgb '{}' linewidth 1.2 pointtype {} pointsize 0.45", m.colour,
                      m.hollow());
 }
 
-void finish(Figure& f, const Axes& axes, std::size_t legend, const std::string& between,
-            const Clauses& clauses) {
+void finish(Figure& f, const CsvTable& table, const Axes& axes, std::size_t legend,
+            const std::string& between, const Clauses& clauses) {
   f.title = axes.title;
-  f.width = 960;
-  f.height = std::max(560, static_cast<int>(legend) * legend_row + 120);
-  f.script = head(f, axes) + between + terminal(f) + clauses.text() + tail(f);
+  f.data = table.csv();
+  f.script = head(f, axes) + between + "set terminal unknown\n" + clauses.text() + drawing(f, legend);
 }
 
 /// Grey band from the lower end of the axis up to the rounding floor.
@@ -163,7 +164,7 @@ std::string floor_band(const SceneCard& scene, const Quantity& quantity, const L
       "set object 1 rectangle from graph 0, first {0:.10g} to graph 1, first {1:.10g} behind "
       "fillcolor rgb '#eeeeee' fillstyle solid noborder\n"
       "set label 2 'rounding floor' at graph 0.99, first {1:.10g} right offset 0, character 0.6 "
-      "font ',11' textcolor rgb '#777777'\n",
+      "textcolor rgb '#777777'\n",
       y.low(), top);
 }
 
@@ -183,7 +184,7 @@ std::string slope_guides(const LogRange& x, const LogRange& y) {
     // The label sits on the guide where it leaves the axes, on the side that is free there.
     const bool leaves_below = x1 > x.low() * 1.001;
     out += fmt::format(
-        "set label {} 'slope {}' at {:.10g}, {:.10g} left offset character {} font ',11' textcolor rgb "
+        "set label {} 'slope {}' at {:.10g}, {:.10g} left offset character {} textcolor rgb "
         "'#777777'\n",
         tag, p, x1, y1, leaves_below ? "0.9, 0.6" : "1.6, -0.3");
     ++tag;
@@ -197,7 +198,7 @@ struct Ladder {
 
 /// Error against something, one line a solver: three figures share it.
 bool ladder_figure(Figure& f, const Results& r, const SceneCard& scene, const CsvTable& table,
-                   const char* file, const std::string& x_column, Axes axes, bool guides) {
+                   const std::string& x_column, Axes axes, bool guides) {
   const Quantity quantity = r.quantity_of(table, scene.id);
   axes.y_label = quantity.unit.empty() ? "largest " + quantity.name
                                        : fmt::format("largest {} / {}", quantity.name, quantity.unit);
@@ -220,7 +221,7 @@ bool ladder_figure(Figure& f, const Results& r, const SceneCard& scene, const Cs
     if (error < low) ++ladder.low;
   }
 
-  Clauses clauses(file);
+  Clauses clauses(f.name + ".csv");
   std::size_t legend = 0;
   for (const std::string& solver : r.solvers_in(table, scene.id)) {
     const Ladder& ladder = ladders[solver];
@@ -237,26 +238,26 @@ bool ladder_figure(Figure& f, const Results& r, const SceneCard& scene, const Cs
     if (ladder.low > 0)
       clauses.add(fmt::format("{} && column('{}') < {:.10g} ? {} : NaN", mine, quantity.column, low, x),
                   fmt::format("{:.10g}", low),
-                  fmt::format("with points linecolor rgb '{}' pointtype 11 pointsize 1.2", mark.colour), "");
+                  fmt::format("with points linecolor rgb '{}' pointtype 11 pointsize 0.8", mark.colour), "");
   }
   if (clauses.empty()) return false;
   std::string between = fmt::format(
-      "mine(s) = stringcolumn('scene') eq {} && stringcolumn('solver') eq s\n"
+      "mine(s) = stringcolumn('solver') eq s\n"
       "# An error of zero, or one too small to show, sits on the lower end and carries a downward mark.\n"
       "shown(y) = y < {:.10g} ? {:.10g} : y\n",
-      gnuplot_field(scene.id), low, low);
+      low, low);
   between += table.has("above_floor") ? "# Points that rounding decides stay unconnected and "
                                         "hollow.\nloose(c) = stringcolumn(c) eq '0' || "
                                         "stringcolumn(c) eq 'false'\n"
                                       : "loose(c) = 0\n";
   between += floor_band(scene, quantity, axes.y);
   if (guides) between += slope_guides(axes.x, axes.y);
-  finish(f, axes, legend, between, clauses);
+  finish(f, table, axes, legend, between, clauses);
   return true;
 }
 
-bool drift_figure(Figure& f, const Results& r, const SceneCard& scene, const std::string& column, Axes axes) {
-  const CsvTable& table = r.drift;
+bool drift_figure(Figure& f, const Results& r, const SceneCard& scene, const CsvTable& table,
+                  const std::string& column, Axes axes) {
   // A solver may have been run at several settings: each is a line of its own, told apart by the label.
   std::vector<std::pair<std::string, std::string>> runs;
   std::map<std::string, int> settings;
@@ -277,7 +278,7 @@ bool drift_figure(Figure& f, const Results& r, const SceneCard& scene, const std
   std::stable_sort(runs.begin(), runs.end(),
                    [&](const auto& a, const auto& b) { return place(a.first) < place(b.first); });
 
-  Clauses clauses("drift.csv");
+  Clauses clauses(f.name + ".csv");
   std::map<std::string, int> nth;
   for (const auto& [solver, value] : runs) {
     const Mark& m = r.marks.at(solver);
@@ -286,24 +287,22 @@ bool drift_figure(Figure& f, const Results& r, const SceneCard& scene, const std
         fmt::format("mine({}, {}) ? column('t_s') : NaN", gnuplot_field(solver), gnuplot_field(value)),
         fmt::format("size(column('{}'))", column),
         fmt::format(
-            "with linespoints linecolor rgb '{}' linewidth 1.5 dashtype {} pointtype {} pointsize 0.7 "
+            "with linespoints linecolor rgb '{}' linewidth 1.5 dashtype {} pointtype {} pointsize 0.45 "
             "pointnumber 7",
             m.colour, dash, m.filled),
         settings[solver] > 1 ? fmt::format("{} @ {}", solver, value) : solver);
   }
-  const std::string between = fmt::format(
-      "mine(s, v) = stringcolumn('scene') eq {} && stringcolumn('solver') eq s && stringcolumn('knob_value') "
-      "eq v\n"
-      "# A drift of exactly zero has no logarithm and is passed over.\nsize(y) = abs(y) > 0 ? abs(y) : NaN\n",
-      gnuplot_field(scene.id));
-  finish(f, axes, runs.size(), between, clauses);
+  const std::string between =
+      "mine(s, v) = stringcolumn('solver') eq s && stringcolumn('knob_value') eq v\n"
+      "# A drift of exactly zero has no logarithm and is passed over.\nsize(y) = abs(y) > 0 ? abs(y) : NaN\n";
+  finish(f, table, axes, runs.size(), between, clauses);
   return true;
 }
 
-bool stability_figure(Figure& f, const Results& r, const SceneCard& scene, const std::string& parameter,
-                      Axes axes) {
+bool stability_figure(Figure& f, const Results& r, const SceneCard& scene, const CsvTable& table,
+                      const std::string& parameter, Axes axes) {
   std::map<std::string, std::pair<int, int>> lines;  // measured, theory
-  for (const StabilityLimit& l : stability_limits(r, scene)) {
+  for (const StabilityLimit& l : stability_limits(table, scene)) {
     if (l.parameter != parameter) continue;
     const double value = std::strtod(l.value.c_str(), nullptr);
     if (!(value > 0)) continue;
@@ -311,10 +310,10 @@ bool stability_figure(Figure& f, const Results& r, const SceneCard& scene, const
     if (l.theory > 0) axes.x.include(value), axes.y.include(l.theory), ++lines[l.solver].second;
   }
   if (axes.x.empty() || axes.y.empty()) return false;
-  Clauses clauses("stability.csv");
+  Clauses clauses(f.name + ".csv");
   std::size_t legend = 0;
   bool with_theory = false;
-  for (const std::string& solver : r.solvers_in(r.stability, scene.id)) {
+  for (const std::string& solver : r.solvers_in(table, scene.id)) {
     const auto [measured, theory] = lines[solver];
     const Mark& m = r.marks.at(solver);
     const std::string x = fmt::format("mine({}) ? column('parameter_value') : NaN", gnuplot_field(solver));
@@ -328,7 +327,7 @@ bool stability_figure(Figure& f, const Results& r, const SceneCard& scene, const
     if (measured > 0) {
       clauses.add(
           x, "column('largest_stable_h_s')",
-          fmt::format("smooth unique with {} linecolor rgb '{}' linewidth 1.6 pointtype {} pointsize 0.9",
+          fmt::format("smooth unique with {} linecolor rgb '{}' linewidth 1.6 pointtype {} pointsize 0.55",
                       theory > 0 ? "points" : "linespoints", m.colour, m.filled),
           solver);
       ++legend;
@@ -339,10 +338,9 @@ bool stability_figure(Figure& f, const Results& r, const SceneCard& scene, const
     ++legend;
   }
   if (clauses.empty()) return false;
-  finish(f, axes, legend,
-         fmt::format("mine(s) = stringcolumn('scene') eq {} && stringcolumn('solver') eq s && "
-                     "stringcolumn('parameter') eq {}\n",
-                     gnuplot_field(scene.id), gnuplot_field(parameter)),
+  finish(f, table, axes, legend,
+         fmt::format("mine(s) = stringcolumn('solver') eq s && stringcolumn('parameter') eq {}\n",
+                     gnuplot_field(parameter)),
          clauses);
   return true;
 }
@@ -356,55 +354,56 @@ std::string spaced(std::string text) {
 }  // namespace
 
 std::vector<Figure> figures_of(const Results& r) {
-  using Kind = Figure::Kind;
   std::vector<Figure> out;
   const LogRange errors(least_shown_error), costs(std::numeric_limits<double>::min());
   for (const SceneCard& scene : r.scenes) {
-    const auto keep = [&](Kind kind, const std::string& stem, auto draw) {
+    const auto keep = [&](const std::string& kind, const std::string& stem, auto draw) {
       Figure f;
       f.kind = kind;
       f.scene = scene.id;
       f.name = stem + "-" + scene.file;
       if (draw(f)) out.push_back(std::move(f));
     };
+    const CsvTable work = telling_rows(r, scene, r.work_precision, most_lines),
+                   ladder = telling_rows(r, scene, r.convergence, most_lines),
+                   drift = telling_rows(r, scene, r.drift, most_lines),
+                   limits = telling_rows(r, scene, r.stability, most_lines);
     const auto titled = [&](const std::string& what, std::string x_label, std::string y_label) {
       return Axes{scene.name() + ": " + what, std::move(x_label), std::move(y_label), costs, errors};
     };
-    keep(Kind::work, "work-precision", [&](Figure& f) {
-      return ladder_figure(f, r, scene, r.work_precision, "work_precision.csv", "time_min_s",
+    keep("work-precision", "work-precision", [&](Figure& f) {
+      return ladder_figure(f, r, scene, work, "time_min_s",
                            titled("error against run time", "run time, least of the repeats / s", ""), false);
     });
-    keep(Kind::evaluations, "evaluations", [&](Figure& f) {
-      return ladder_figure(f, r, scene, r.work_precision, "work_precision.csv", "rhs_evals",
+    keep("evaluations", "evaluations", [&](Figure& f) {
+      return ladder_figure(f, r, scene, work, "rhs_evals",
                            titled("error against work", "right-hand-side evaluations", ""), false);
     });
-    keep(Kind::convergence, "convergence", [&](Figure& f) {
-      return ladder_figure(f, r, scene, r.convergence, "convergence.csv", "h_s",
-                           titled("error against step", "step h / s", ""), true);
+    keep("convergence", "convergence", [&](Figure& f) {
+      return ladder_figure(f, r, scene, ladder, "h_s", titled("error against step", "step h / s", ""), true);
     });
-    keep(Kind::energy_drift, "energy-drift", [&](Figure& f) {
+    keep("energy-drift", "energy-drift", [&](Figure& f) {
       for (const auto& [column, what] : {std::pair("rotational_energy_drift_rel", "rotational energy"),
                                          std::pair("total_energy_drift_rel", "energy")})
-        if (drift_figure(f, r, scene, column,
+        if (drift_figure(f, r, scene, drift, column,
                          titled(fmt::format("drift of the {}", what), "time / s",
                                 fmt::format("|relative drift| of the {}", what))))
           return true;
       return false;
     });
-    keep(Kind::momentum_drift, "momentum-drift", [&](Figure& f) {
+    keep("momentum-drift", "momentum-drift", [&](Figure& f) {
       return drift_figure(
-          f, r, scene, "momentum_drift_rel",
+          f, r, scene, drift, "momentum_drift_rel",
           titled("drift of the angular momentum", "time / s", "relative drift of the angular momentum"));
     });
     std::vector<std::string> parameters;
-    for (const std::size_t i : Results::rows_of(r.stability, scene.id))
-      if (std::find(parameters.begin(), parameters.end(), r.stability.text(i, "parameter")) ==
-          parameters.end())
-        parameters.push_back(r.stability.text(i, "parameter"));
+    for (const std::size_t i : Results::rows_of(limits, scene.id))
+      if (std::find(parameters.begin(), parameters.end(), limits.text(i, "parameter")) == parameters.end())
+        parameters.push_back(limits.text(i, "parameter"));
     for (std::size_t n = 0; n < parameters.size(); ++n)
-      keep(Kind::stability, n == 0 ? "stability" : fmt::format("stability-{}", n + 1), [&](Figure& f) {
+      keep("stability", n == 0 ? "stability" : fmt::format("stability-{}", n + 1), [&](Figure& f) {
         return stability_figure(
-            f, r, scene, parameters[n],
+            f, r, scene, limits, parameters[n],
             titled("largest stable step", spaced(parameters[n]), "largest stable step h / s"));
       });
   }

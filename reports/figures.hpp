@@ -1,4 +1,4 @@
-// Figures of a result folder, as gnuplot scripts that read the tables beside them.
+// Figures of a result folder for papers, as gnuplot scripts that read the data beside them.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,19 +9,12 @@ namespace polhode::report {
 
 /// One figure before it is drawn.
 struct Figure {
-  enum class Kind {
-    work,
-    evaluations,
-    convergence,
-    energy_drift,
-    momentum_drift,
-    stability
-  } kind = Kind::work;
-  std::string scene;          // id
-  std::string name;           // stem of figures/NAME.gp, .svg and .pdf
-  std::string title;          // above the axes
-  std::string script;         // run from the result folder; holds relative paths only
-  int width = 0, height = 0;  // px of the SVG
+  std::string kind;    // work-precision, evaluations, convergence, energy-drift, momentum-drift, stability
+  std::string scene;   // id
+  std::string name;    // stem of figures/NAME.gp, NAME.csv, NAME-84mm.svg, NAME-84mm.pdf, NAME-174mm.svg, ...
+  std::string title;   // above the axes
+  std::string script;  // run in the folder of the figure; holds relative paths only
+  std::string data;    // what it reads
 };
 
 /// Scripts of all figures that the tables have data for, scene by scene.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include <fmt/format.h>
@@ -12,9 +13,6 @@
 
 namespace polhode::report {
 namespace {
-
-// An error of exactly zero is a double that hit the truth: good for any level, and finite in a logarithm.
-constexpr double least_error = 1e-300;
 
 /// The level that tells most about a scene: the smallest of a few that somebody reaches above the floor.
 std::optional<double> telling_level(const Results& results, const SceneCard& scene,
@@ -61,37 +59,19 @@ std::string ranking_sentence(const Results& results, const SceneCard& scene, dou
 
 }  // namespace
 
-std::optional<double> cost_at(std::vector<CostPoint> points, double level) {
-  std::erase_if(points, [](const CostPoint& p) {
-    return !(p.cost > 0) || !std::isfinite(p.cost) || !(p.error >= 0) || !std::isfinite(p.error);
-  });
-  std::sort(points.begin(), points.end(),
-            [](const CostPoint& a, const CostPoint& b) { return a.cost < b.cost; });
-  std::optional<CostPoint> coarser;  // the best run that is cheaper and still misses the level
-  for (const CostPoint& p : points) {
-    if (p.error <= level) {
-      if (!coarser) return p.cost;
-      const double span = std::log(coarser->error) - std::log(std::max(p.error, least_error));
-      const double part = (std::log(coarser->error) - std::log(level)) / span;
-      return std::exp(std::log(coarser->cost) + part * (std::log(p.cost) - std::log(coarser->cost)));
-    }
-    if (!coarser || p.error <= coarser->error) coarser = p;
-  }
-  return std::nullopt;
-}
-
 std::vector<Cost> ranking(const Results& results, const SceneCard& scene, std::string_view cost_column,
                           double level) {
   const CsvTable& table = results.work_precision;
   const Quantity quantity = results.quantity_of(table, scene.id);
-  std::map<std::string, std::vector<CostPoint>> ladders;
-  for (const std::size_t i : Results::rows_of(table, scene.id))
-    if (table.text(i, "outcome") == "ok")
-      ladders[table.text(i, "solver")].push_back(
-          {table.number(i, quantity.column), table.number(i, cost_column)});
+  std::map<std::string, double> least;
+  for (const std::size_t i : Results::rows_of(table, scene.id)) {
+    const double error = table.number(i, quantity.column), cost = table.number(i, cost_column);
+    if (table.text(i, "outcome") != "ok" || !(error <= level) || !(cost > 0)) continue;
+    const auto [found, is_new] = least.emplace(table.text(i, "solver"), cost);
+    if (!is_new) found->second = std::min(found->second, cost);
+  }
   std::vector<Cost> out;
-  for (auto& [solver, points] : ladders)
-    if (const auto cost = cost_at(std::move(points), level)) out.push_back({solver, *cost});
+  for (const auto& [solver, cost] : least) out.push_back({solver, cost});
   std::stable_sort(out.begin(), out.end(), [](const Cost& a, const Cost& b) { return a.cost < b.cost; });
   return out;
 }
@@ -191,8 +171,7 @@ std::string drift_sentence(const Results& results, const SceneCard& scene, std::
   return text;
 }
 
-std::vector<StabilityLimit> stability_limits(const Results& results, const SceneCard& scene) {
-  const CsvTable& t = results.stability;
+std::vector<StabilityLimit> stability_limits(const CsvTable& t, const SceneCard& scene) {
   std::vector<StabilityLimit> out;
   std::map<std::string, std::size_t> seen;
   for (const std::size_t i : Results::rows_of(t, scene.id)) {
@@ -215,7 +194,7 @@ std::string stability_sentence(const Results& results, const SceneCard& scene) {
   std::size_t with_theory = 0, agree = 0;
   double farthest = 0;
   std::string worst;
-  for (const StabilityLimit& l : stability_limits(results, scene)) {
+  for (const StabilityLimit& l : stability_limits(results.stability, scene)) {
     if (!std::isfinite(l.largest) || !std::isfinite(l.theory) || l.theory <= 0) continue;
     ++with_theory;
     const double off = std::abs(l.largest / l.theory - 1);
@@ -226,6 +205,35 @@ std::string stability_sentence(const Results& results, const SceneCard& scene) {
   return fmt::format("{} of {} {} with linear theory within 5 %; farthest off is {}, by {} %.", agree,
                      pretty_count(with_theory, "measured limit"), agree == 1 ? "agrees" : "agree", worst,
                      pretty_number(100 * farthest));
+}
+
+CsvTable telling_rows(const Results& results, const SceneCard& scene, const CsvTable& table,
+                      std::size_t most_solvers) {
+  std::vector<std::size_t> rows = Results::rows_of(table, scene.id);
+  const std::vector<std::string> solvers = results.solvers_in(table, scene.id);
+  if (solvers.size() <= most_solvers) return table.selection(rows);
+  const Quantity quantity = results.quantity_of(results.work_precision, scene.id);
+  std::map<std::string, double> least;  // error
+  for (const std::size_t i : Results::rows_of(results.work_precision, scene.id)) {
+    const double error = results.work_precision.number(i, quantity.column);
+    if (!std::isfinite(error)) continue;
+    const auto [found, is_new] = least.emplace(results.work_precision.text(i, "solver"), error);
+    if (!is_new) found->second = std::min(found->second, error);
+  }
+  // Best first: by cost where the level is reached, then by least error, then in the order of the registry.
+  std::vector<std::string> order;
+  if (const auto level = telling_level(results, scene, "time_min_s"))
+    for (const Cost& c : ranking(results, scene, "time_min_s", *level)) order.push_back(c.solver);
+  std::vector<std::pair<double, std::string>> by_error;
+  for (const auto& [solver, error] : least) by_error.emplace_back(error, solver);
+  std::stable_sort(by_error.begin(), by_error.end());
+  for (const auto& [error, solver] : by_error) order.push_back(solver);
+  order.insert(order.end(), solvers.begin(), solvers.end());
+  std::set<std::string> here(solvers.begin(), solvers.end()), families, chosen;
+  for (const std::string& solver : order)
+    if (here.count(solver) && families.insert(results.family_of(solver)).second) chosen.insert(solver);
+  std::erase_if(rows, [&](std::size_t i) { return !chosen.count(table.text(i, "solver")); });
+  return table.selection(rows);
 }
 
 std::string summary_sentence(const Results& results) {

@@ -2,7 +2,6 @@
 //
 // All sentences here are plain text (UTF-8); whoever puts them on a page escapes them.
 #pragma once
-#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -11,29 +10,16 @@
 
 namespace polhode::report {
 
-/// One run on the way from coarse to fine.
-struct CostPoint {
-  double error = 0;
-  double cost = 0;  // s, or right-hand-side evaluations
-};
-
 /// Cost of one solver at one error.
 struct Cost {
   std::string solver;
-  double cost = 0;
+  double cost = 0;  // s, or right-hand-side evaluations
 };
 
-/// Least cost at which a ladder of runs reaches an error.
+/// All solvers of a scene that reach an error, cheapest first. A solver's cost is that of its cheapest run
+/// that ended well and whose error is at most the level: measured, never interpolated, so that it can be had.
 ///
-/// points   runs of one solver, any order; those with a non-positive cost or a NaN are passed over
-/// level    the error to be reached, > 0
-/// returns  nothing if no run gets there; the cost of the cheapest run if that one is there already; else the
-///          log-log interpolation between the cheapest run that gets there and the best one that is cheaper
-std::optional<double> cost_at(std::vector<CostPoint> points, double level);
-
-/// All solvers of a scene that reach an error, cheapest first.
-///
-/// cost_column  of work_precision.csv: `time_min_s` or `rhs_evals`
+/// cost_column  of work_precision.csv: `time_min_s` or `rhs_evals`; runs without it are passed over
 std::vector<Cost> ranking(const Results& results, const SceneCard& scene, std::string_view cost_column,
                           double level);
 
@@ -63,6 +49,14 @@ struct StabilityLimit {
   double largest = 0, theory = 0;  // s; NaN where there is none
 };
 /// Limits of a scene, one for each solver and value of the parameter, in file order.
-std::vector<StabilityLimit> stability_limits(const Results& results, const SceneCard& scene);
+///
+/// table  stability.csv or rows of it
+std::vector<StabilityLimit> stability_limits(const CsvTable& table, const SceneCard& scene);
+
+/// Rows of a table that a figure of a scene can show without crowding: of all its solvers if they are few,
+/// else of the best of each family, the cheapest at the level that tells most, or else the one with the least
+/// error.
+CsvTable telling_rows(const Results& results, const SceneCard& scene, const CsvTable& table,
+                      std::size_t most_solvers);
 
 }  // namespace polhode::report

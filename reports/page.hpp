@@ -1,7 +1,7 @@
-// The page of a result folder.
+// The page of a result folder: one HTML file that carries its data, its scripts and its style.
 #pragma once
 #include <filesystem>
-#include <set>
+#include <map>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -20,16 +20,25 @@ using Provenance = std::vector<std::pair<std::string, std::string>>;
 /// returns  nothing where the file is missing; one entry that says so where it is not JSON
 Provenance read_provenance(const std::filesystem::path& folder);
 
-/// The page as HTML: one file without scripts, that refers to figures and tables beside it by relative path.
+/// What the page is told, as JSON: the tables of the folder with numbers of five digits, what they say in
+/// words, and the looks of the solvers.
 ///
-/// figures  in the order in which they appear
-/// drawn    names of those whose SVG is there
+/// folder   where the tables lie
+/// drawn    figures that stand in where scripts for charts were not installed: a figure and its SVG
 /// notes    shown at the top
-std::string page(const Results& results, const std::vector<Figure>& figures,
-                 const std::set<std::string>& drawn, const Provenance& provenance,
-                 const std::vector<std::string>& notes);
+/// throws   std::runtime_error with the path where a table cannot be read
+std::string page_data(const Results& results, const std::filesystem::path& folder,
+                      const std::vector<std::pair<Figure, std::string>>& drawn, const Provenance& provenance,
+                      const std::vector<std::string>& notes);
 
-/// The style sheet of the page.
-std::string_view style_sheet();
+/// The page with its data.
+///
+/// data  of page_data; it is packed, so that no text in it can become markup
+std::string page(std::string_view data);
+
+/// The page without its data: reports/page/, put together when this program was built.
+extern const std::string_view page_template;
+/// Debian packages that were missing then, by name; the page goes without what they bring.
+extern const std::string_view page_missing_packages;
 
 }  // namespace polhode::report

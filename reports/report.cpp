@@ -3,10 +3,11 @@
 
 #include <chrono>
 #include <fstream>
-#include <set>
+#include <sstream>
 #include <stdexcept>
 #include <string_view>
 #include <system_error>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -27,31 +28,34 @@ void write_file(const std::filesystem::path& path, std::string_view text) {
   if (!file) throw std::runtime_error("cannot write " + path.string());
 }
 
+std::string read_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+constexpr const char* drawings[] = {"-84mm.svg", "-84mm.pdf", "-174mm.svg", "-174mm.pdf"};
+
 }  // namespace
 
 ReportOutcome write_report(const std::filesystem::path& folder) {
   using End = report::GnuplotRun::End;
   ReportOutcome outcome;
   const report::Results results = report::read_results(folder);
-  const std::vector<report::Figure> figures = report::figures_of(results);
-  std::set<std::string> drawn;
-  if (!figures.empty()) {
-    std::error_code error;
-    std::filesystem::create_directories(folder / "figures", error);
-    if (error)
-      throw std::runtime_error("cannot make " + (folder / "figures").string() + ": " + error.message());
-  }
+  const std::filesystem::path figures = folder / "figures";
+  std::error_code error;
+  std::vector<std::pair<report::Figure, std::string>> stand_ins;
   bool installed = true;
-  for (const report::Figure& f : figures) {
-    const std::filesystem::path script = "figures/" + f.name + ".gp";
-    write_file(folder / script, f.script);
-    // A figure of an earlier report must not stand in for one that cannot be drawn now.
-    for (const char* end : {".svg", ".pdf"}) {
-      std::error_code ignored;
-      std::filesystem::remove(folder / ("figures/" + f.name + end), ignored);
-    }
+  for (const report::Figure& f : report::figures_of(results)) {
+    std::filesystem::create_directories(figures, error);
+    if (error) throw std::runtime_error("cannot make " + figures.string() + ": " + error.message());
+    write_file(figures / (f.name + ".csv"), f.data);
+    write_file(figures / (f.name + ".gp"), f.script);
+    // A drawing of an earlier report must not stand in for one that cannot be made now.
+    for (const char* drawing : drawings) std::filesystem::remove(figures / (f.name + drawing), error);
     if (!installed) continue;
-    const report::GnuplotRun run = report::run_gnuplot(folder, script, patience);
+    const report::GnuplotRun run = report::run_gnuplot(figures, f.name + ".gp", patience);
     if (run.end == End::not_installed) {
       installed = false;
       outcome.notes.push_back(
@@ -59,17 +63,21 @@ ReportOutcome write_report(const std::filesystem::path& folder) {
           "install "
           "gnuplot-nox, then make the report again");
     } else if (run.end != End::drawn) {
-      outcome.notes.push_back(fmt::format("gnuplot could not draw {}: {}", script.string(), run.message));
+      outcome.notes.push_back(fmt::format("gnuplot could not draw figures/{}.gp: {}", f.name, run.message));
     } else {
       ++outcome.figures;
-      if (!std::filesystem::exists(folder / ("figures/" + f.name + ".pdf")))
-        outcome.notes.push_back(
-            fmt::format("figures/{}.pdf is missing: this gnuplot has no pdfcairo terminal", f.name));
+      for (const char* drawing : drawings)
+        if (!std::filesystem::exists(figures / (f.name + drawing)))
+          outcome.notes.push_back(
+              fmt::format("figures/{}{} is missing: this gnuplot lacks the terminal", f.name, drawing));
+      // Where the page can draw charts itself, it needs no pictures of them.
+      if (!report::page_missing_packages.empty())
+        stand_ins.emplace_back(f, read_file(figures / (f.name + drawings[2])));
     }
-    if (std::filesystem::exists(folder / ("figures/" + f.name + ".svg"))) drawn.insert(f.name);
   }
   write_file(folder / "index.html",
-             report::page(results, figures, drawn, report::read_provenance(folder), outcome.notes));
+             report::page(report::page_data(results, folder, stand_ins, report::read_provenance(folder),
+                                            outcome.notes)));
   return outcome;
 }
 

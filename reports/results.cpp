@@ -1,8 +1,7 @@
 // Reads a result folder and gives every solver its look.
 //
-// Colour tells the stem of the id (`odeint-dopri5` and `odeint-rk4` share one), shade, dash and mark tell the
-// variant. All follow the order of solvers.csv, so that no list of solvers is needed here and colours agree
-// between figures.
+// Hue tells the family, shade, mark and dash tell the member. All follow the order of solvers.csv, so that no
+// list of solvers is needed here and looks agree between figures and pages.
 #include "reports/results.hpp"
 
 #include <algorithm>
@@ -32,27 +31,23 @@ std::string shaded(unsigned rgb, int variant) {
   return fmt::format("#{:02x}{:02x}{:02x}", channel(16), channel(8), channel(0));
 }
 
-std::string stem_of(const std::string& id) {
-  std::string stem = id.substr(0, id.find('-'));
-  while (stem.size() > 1 && stem.back() >= '0' && stem.back() <= '9') stem.pop_back();
-  return stem;
-}
-
-std::map<std::string, Mark> marks_of(const std::vector<std::string>& solvers) {
+/// solvers  with their families, in the order of the registry
+std::map<std::string, Mark> marks_of(const std::vector<std::pair<std::string, std::string>>& solvers) {
   std::map<std::string, Mark> marks;
-  std::vector<std::pair<std::string, int>> stems;  // with the number of variants so far
-  for (const std::string& id : solvers) {
-    const std::string stem = stem_of(id);
-    auto found = std::find_if(stems.begin(), stems.end(), [&](const auto& s) { return s.first == stem; });
-    if (found == stems.end()) found = stems.insert(stems.end(), {stem, 0});
-    const auto n = static_cast<std::size_t>(found - stems.begin());
-    const int variant = found->second++;
+  std::vector<std::pair<std::string, std::size_t>> families;  // with the number of members so far
+  for (const auto& solver : solvers) {
+    auto found = std::find_if(families.begin(), families.end(),
+                              [&](const auto& f) { return f.first == solver.second; });
+    if (found == families.end()) found = families.insert(families.end(), {solver.second, 0});
+    const auto n = static_cast<std::size_t>(found - families.begin());
+    const std::size_t member = found->second++;
     Mark mark;
-    mark.colour = shaded(palette[n % palette.size()], variant);
-    mark.filled =
-        filled_marks[(static_cast<std::size_t>(variant) + n / palette.size()) % filled_marks.size()];
-    mark.dash = variant / 3 % 2 == 0 ? 1 : 2;
-    marks.emplace(id, mark);
+    mark.colour = shaded(palette[n % palette.size()], static_cast<int>(member));
+    // Two families of one hue never share a mark.
+    constexpr std::size_t half = filled_marks.size() / 2;
+    mark.filled = filled_marks[n / palette.size() % 2 * half + (member + member / half + n) % half];
+    mark.dash = member / 9 % 2 == 0 ? 1 : 2;
+    marks.emplace(solver.first, mark);
   }
   return marks;
 }
@@ -83,6 +78,11 @@ std::vector<std::string> Results::solvers_in(const CsvTable& table, std::string_
   return out;
 }
 
+std::string Results::family_of(const std::string& solver) const {
+  const auto found = families.find(solver);
+  return found == families.end() ? std::string() : found->second;
+}
+
 Quantity Results::quantity_of(const CsvTable& table, std::string_view scene) const {
   static const std::array<Quantity, 5> candidates = {
       {{"attitude_error_max_rad", "attitude error", "rad"},
@@ -105,10 +105,11 @@ bool Results::drift_quantity_is_total(std::string_view scene) const {
 
 Results read_results(const std::filesystem::path& folder) {
   Results r;
-  const auto read = [&](const char* name) {
-    if (std::filesystem::exists(folder / name)) r.files.emplace_back(name);
-    return read_csv(folder / name);
-  };
+  const auto read = [&](const char* name) { return read_csv(folder / name); };
+  std::error_code ignored;
+  for (const auto& entry : std::filesystem::directory_iterator(folder, ignored))
+    if (entry.path().extension() == ".csv") r.files.push_back(entry.path().filename().string());
+  std::sort(r.files.begin(), r.files.end());
   r.work_precision = read("work_precision.csv");
   r.convergence = read("convergence.csv");
   r.orders = read("orders.csv");
@@ -117,8 +118,6 @@ Results read_results(const std::filesystem::path& folder) {
   r.stability = read("stability.csv");
   r.solver_table = read("solvers.csv");
   const CsvTable scene_table = read("scenes.csv");
-  for (const char* name : {"trajectory.csv", "bench.csv", "run.json", "datapackage.json"})
-    if (std::filesystem::exists(folder / name)) r.files.emplace_back(name);
 
   std::vector<std::string> scene_ids, all;
   std::set<std::string> seen_scenes, seen_solvers, used;
@@ -133,14 +132,11 @@ Results read_results(const std::filesystem::path& folder) {
       append_new(all, seen_solvers, t->text(i, "solver"));
       used.insert(t->text(i, "solver"));
     }
-  // The truth is never drawn, so it takes the last colour.
-  std::vector<std::string> coloured = all;
-  std::set<std::string> truths;
   for (std::size_t i = 0; i < r.solver_table.rows(); ++i)
-    if (r.solver_table.text(i, "family") == "truth") truths.insert(r.solver_table.text(i, "solver"));
-  std::stable_partition(coloured.begin(), coloured.end(),
-                        [&](const std::string& id) { return !truths.count(id); });
-  r.marks = marks_of(coloured);
+    r.families[r.solver_table.text(i, "solver")] = r.solver_table.text(i, "family");
+  std::vector<std::pair<std::string, std::string>> members;
+  for (const std::string& id : all) members.emplace_back(id, r.family_of(id));
+  r.marks = marks_of(members);
   for (const std::string& id : all)
     if (used.count(id)) r.solvers.push_back(id);
 

@@ -46,13 +46,16 @@ struct Results {
   CsvTable convergence, orders, work_precision, drift, drift_verdict, stability, solver_table;
   std::vector<SceneCard> scenes;     // order of scenes.csv, then of appearance
   std::vector<std::string> solvers;  // that appear in an experiment; order of solvers.csv, then of appearance
-  std::map<std::string, Mark> marks;  // of all solvers
-  std::vector<std::string> files;     // data files that the folder holds
+  std::map<std::string, std::string> families;  // of the solvers that solvers.csv knows
+  std::map<std::string, Mark> marks;            // of all solvers
+  std::vector<std::string> files;               // every table of the folder, by name
 
   /// Rows of a table that belong to a scene, in file order.
   static std::vector<std::size_t> rows_of(const CsvTable& table, std::string_view scene);
   /// The solvers among those rows, in the order of `solvers`.
   std::vector<std::string> solvers_in(const CsvTable& table, std::string_view scene) const;
+  /// Family of a solver, empty where solvers.csv does not know it.
+  std::string family_of(const std::string& solver) const;
   /// The first of attitude, rate, position and energy error that a scene has any value of.
   Quantity quantity_of(const CsvTable& table, std::string_view scene) const;
   /// True where drift.csv has no rotational energy for a scene, so that the total one is shown.

@@ -45,12 +45,16 @@ class StageEquations {
 };
 
 /// Simplified Newton iteration on k = f(k) from the slope at the start of the step. Where it fails k is not
-/// of use. Returns the calls of `slopes`, negative if it failed.
+/// of use. Unknowns are divided by the scales of their part of the state, so that no pivot depends on units.
+/// Returns the calls of `slopes`, negative if it failed.
 int newton(const StageEquations& equations, const Tableau& T, int n, double h, double* k_at,
-           double rounding) {
+           const double* scales, double rounding) {
   const int stages = T.stages;
   Eigen::MatrixXd J(n, n), matrix = Eigen::MatrixXd::Identity(n * stages, n * stages);
   equations.jacobian(J.data());
+  const Eigen::VectorXd scale = Eigen::Map<const Eigen::VectorXd>(scales, n).replicate(stages, 1) / h;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j) J(i, j) *= scales[j] / scales[i];
   for (int i = 0; i < stages; ++i)
     for (int j = 0; j < stages; ++j) matrix.block(i * n, j * n, n, n) -= h * T.a[i][j] * J;
   const Eigen::PartialPivLU<Eigen::MatrixXd> lu(matrix);
@@ -59,10 +63,10 @@ int newton(const StageEquations& equations, const Tableau& T, int n, double h, d
   double before = std::numeric_limits<double>::infinity();
   for (int i = 1; i <= 100; ++i) {
     equations.slopes(k.data(), f.data());
-    const Eigen::VectorXd correction = lu.solve(f - k);
-    const double change = std::abs(h) * correction.cwiseAbs().maxCoeff();
+    const Eigen::VectorXd correction = lu.solve((f - k).cwiseQuotient(scale));
+    const double change = correction.cwiseAbs().maxCoeff();
     if (!std::isfinite(change)) return -i;
-    k += correction;
+    k += correction.cwiseProduct(scale);
     if (change <= rounding || (i > 4 && change < 64 * rounding && change >= before)) return i;
     before = change;
   }
@@ -95,11 +99,10 @@ struct Gauss : QuaternionForm {
   typename M::State step(const M& m, double t, double h, const typename M::State& y) {
     constexpr std::size_t n = M::size;
     Stages<M> k, f;
-    double largest = 1e-300;
-    for (const double x : y) largest = std::max(largest, std::abs(x));
-    const double rounding = 2.2e-16 * largest;  // changes of the state below an ulp of it are none
+    constexpr double rounding = 2.2e-16;  // relative changes of the state below an ulp are none
 
     m.rhs(t, y.data(), f[0].data());
+    const typename M::State scale = scales_of<M>(y, f[0], h);
     k.fill(f[0]);
     const typename M::State slope = f[0];
     ++rhs_evals;
@@ -113,7 +116,7 @@ struct Gauss : QuaternionForm {
       for (std::size_t s = 0; s < stages; ++s)
         for (std::size_t j = 0; j < n; ++j) {
           // Not std::max: a difference that is no number has to be seen.
-          const double d = std::abs(h * (f[s][j] - k[s][j]));
+          const double d = std::abs(h * (f[s][j] - k[s][j])) / scale[j];
           if (!(d <= change)) change = d;
         }
       k = f;
@@ -121,7 +124,7 @@ struct Gauss : QuaternionForm {
     }
     if (!done) {
       k.fill(slope);
-      const int calls = newton(Equations<M>(m, t, h, y), T, M::size, h, k[0].data(), rounding);
+      const int calls = newton(Equations<M>(m, t, h, y), T, M::size, h, k[0].data(), scale.data(), rounding);
       rhs_evals += stages * std::abs(calls);
       if (calls < 0) failure = "the stage equations have no solution that could be found";
     }
@@ -132,6 +135,29 @@ struct Gauss : QuaternionForm {
   }
 
  private:
+  /// Of each part of the state (attitude, rates, position, velocity) its largest number, or what a step from
+  /// zero makes of it; one where nothing moves.
+  template <AnyModel M>
+  static typename M::State scales_of(const typename M::State& y, const typename M::State& slope, double h) {
+    typename M::State scale;
+    const auto part = [&](int begin, int end) {
+      double largest = 0, step = 0;
+      for (int j = begin; j < end; ++j) {
+        largest = std::max(largest, std::abs(y[std::size_t(j)]));
+        step = std::max(step, std::abs(h * slope[std::size_t(j)]));
+      }
+      if (!(largest > 0)) largest = step > 0 ? step : 1;
+      for (int j = begin; j < end; ++j) scale[std::size_t(j)] = largest;
+    };
+    constexpr int rotation = M::rotation_size;
+    if constexpr (M::has_attitude) part(0, 4);
+    if constexpr (M::has_rotation) part(rotation - 3, rotation);
+    if constexpr (M::has_translation) {
+      part(rotation, rotation + 3);
+      part(rotation + 3, rotation + 6);
+    }
+    return scale;
+  }
   template <AnyModel M>
   static void slopes_at(const M& m, double t, double h, const typename M::State& y, const double* k,
                         double* f) {
