@@ -105,13 +105,16 @@ std::string datapackage_json(std::span<const Table> tables) {
     nlohmann::ordered_json fields = nlohmann::ordered_json::array();
     for (const Column& c : t.columns)
       fields.push_back({{"name", c.name}, {"type", type_name(c.type)}, {"description", c.meaning}});
+    nlohmann::ordered_json schema = {{"fields", fields}, {"missingValues", {""}}};
+    if (t.keys > 0) {
+      schema["primaryKey"] = nlohmann::ordered_json::array();
+      for (std::size_t i = 0; i < t.keys; ++i) schema["primaryKey"].push_back(t.columns[i].name);
+    }
     std::string name(t.file.substr(0, t.file.find('.')));
     for (char& ch : name)
       if (ch == '_') ch = '-';
-    j["resources"].push_back({{"name", name},
-                              {"path", t.file},
-                              {"profile", "tabular-data-resource"},
-                              {"schema", {{"fields", fields}, {"missingValues", {""}}}}});
+    j["resources"].push_back(
+        {{"name", name}, {"path", t.file}, {"profile", "tabular-data-resource"}, {"schema", schema}});
   }
   return j.dump(2) + "\n";
 }

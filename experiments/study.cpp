@@ -18,7 +18,7 @@
 
 namespace polhode {
 
-#define VERB(function, verb, summary) int function##_verb(const Options& options);
+#define VERB(function, verb, operands, summary) int function##_verb(const Options& options);
 #include "experiments/verbs.def"
 #undef VERB
 
@@ -69,7 +69,7 @@ Cell claim_cell(Claim c) { return text(c == Claim::yes ? "yes" : c == Claim::no 
 
 /// All solvers, not the chosen ones: their order decides the colours of every figure.
 Table solver_table() {
-  Table t{"solvers.csv", solver_columns, {}};
+  Table t{"solvers.csv", solver_columns, {}, 1};
   for (const Method* m : all_methods()) {
     const Claims& c = m->claims;
     t.add({text(m->id), text(m->family), order_cell(c.attitude_order), text(m->source), text(m->version),
@@ -81,7 +81,7 @@ Table solver_table() {
 }
 
 Table scene_table(const Plan& plan) {
-  Table t{"scenes.csv", scene_columns, {}};
+  Table t{"scenes.csv", scene_columns, {}, 1};
   for (const Scene& s : plan.scenes) {
     std::string left_out;
     for (const std::string& part : s.left_out) left_out += (left_out.empty() ? "" : "; ") + part;
@@ -186,12 +186,12 @@ int study_verb(const Options& options) {
 const std::vector<Verb>& all_verbs() {
   static const std::vector<Verb> verbs = [] {
     std::vector<Verb> v;
-#define VERB(function, verb, summary) v.push_back({verb, summary, function##_verb});
+#define VERB(function, verb, operands, summary) v.push_back({verb, operands, summary, function##_verb});
 #include "experiments/verbs.def"
 #undef VERB
     std::vector<Verb> questions;
 #define QUESTION(function, verb, summary)                                                                \
-  questions.push_back({verb, summary, [](const Options& o) {                                             \
+  questions.push_back({verb, "[SCENE...]", summary, [](const Options& o) {                               \
                          return answer(o, {*std::find_if(all_questions().begin(), all_questions().end(), \
                                                          [](const Question& q) {                         \
                                                            return std::string_view(q.id) == verb;        \

@@ -19,6 +19,7 @@
 #include "models/taylor_series.hpp"
 #include "solvers/adaptive_step.hpp"
 #include "solvers/erased_model.hpp"
+#include "solvers/observe.hpp"
 #include "solvers/taylor_kernels.hpp"
 #include "solvers/taylor_run.hpp"
 
