@@ -25,15 +25,6 @@ std::string cpu_model() {
   return "unknown";
 }
 
-/// Does the compiler fuse a multiplication with an addition here? It must not: 1 + 2^-27 squared minus its
-/// rounded square is zero unless the product is kept exact inside a fused operation.
-bool contraction_is_on() {
-  volatile double a = 1 + 0x1p-27;
-  const double x = a, square = x * x;
-  volatile double kept = square;
-  return x * x - kept != 0;
-}
-
 std::string utc_now() {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
@@ -57,7 +48,35 @@ const char* type_name(ColumnType type) {
   return "";
 }
 
+/// Solvers that wrap a library name it in their rows; the rest is what the models are built with.
+std::set<std::string> libraries_used() {
+  std::set<std::string> libraries{std::string("Boost ") + BOOST_LIB_VERSION,
+                                  "Eigen " + std::to_string(EIGEN_WORLD_VERSION) + "." +
+                                      std::to_string(EIGEN_MAJOR_VERSION) + "." +
+                                      std::to_string(EIGEN_MINOR_VERSION)};
+  for (const Method* m : all_methods())
+    if (!m->version.empty()) libraries.emplace(m->version);
+  return libraries;
+}
+
 }  // namespace
+
+bool contraction_is_on() {
+  // 1 + 2^-27 squared minus its rounded square is zero unless the product is kept exact inside a fused
+  // operation.
+  volatile double a = 1 + 0x1p-27;
+  const double x = a, square = x * x;
+  volatile double kept = square;
+  return x * x - kept != 0;
+}
+
+std::vector<std::pair<std::string, std::string>> build_facts() {
+  std::string libraries;
+  for (const std::string& l : libraries_used()) libraries += (libraries.empty() ? "" : ", ") + l;
+  return {{"version", polhode_version},   {"commit", *POLHODE_COMMIT ? POLHODE_COMMIT : "unknown"},
+          {"compiler", POLHODE_COMPILER}, {"flags", POLHODE_FLAGS},
+          {"libraries", libraries},       {"CPU", cpu_model()}};
+}
 
 std::string run_json(const std::string& command_line, std::span<const TruthCost> truths) {
   nlohmann::ordered_json j;
@@ -69,14 +88,7 @@ std::string run_json(const std::string& command_line, std::span<const TruthCost>
   j["compiler"] = POLHODE_COMPILER;
   j["flags"] = POLHODE_FLAGS;
   j["contraction"] = contraction_is_on() ? "on" : "off";
-  // Solvers that wrap a library name it in their rows; the rest is what the models are built with.
-  std::set<std::string> libraries{std::string("Boost ") + BOOST_LIB_VERSION,
-                                  "Eigen " + std::to_string(EIGEN_WORLD_VERSION) + "." +
-                                      std::to_string(EIGEN_MAJOR_VERSION) + "." +
-                                      std::to_string(EIGEN_MINOR_VERSION)};
-  for (const Method* m : all_methods())
-    if (!m->version.empty()) libraries.emplace(m->version);
-  j["libraries"] = libraries;
+  j["libraries"] = libraries_used();
   nlohmann::ordered_json engines = nlohmann::ordered_json::array();
   for (const EngineStatus& e : all_engines()) {
     nlohmann::ordered_json entry = {{"id", e.id}, {"what", e.summary}, {"available", e.available}};

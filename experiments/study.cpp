@@ -8,6 +8,7 @@
 
 #include "experiments/grid.hpp"
 #include "experiments/interrupt.hpp"
+#include "experiments/plot.hpp"
 #include "experiments/provenance.hpp"
 #include "experiments/question.hpp"
 #include "experiments/result_folder.hpp"
@@ -136,9 +137,11 @@ Plan plan_of(const Options& options) {
 int answer(const Options& options, const std::vector<Question>& questions) {
   const Plan plan = plan_of(options);
   const std::string place = options.output.value_or("polhode-results");
-  const bool to_folder = place != "-" && !place.ends_with(".csv");
+  const bool to_folder =
+      place != "-" && !place.ends_with(".csv") && !(options.json && place.ends_with(".json"));
   if (!to_folder && questions.size() > 1)
     throw UsageError("-o " + place + ": a study has many tables and needs a folder");
+  if (!to_folder && options.plot) throw UsageError("--plot: -o " + place + " takes the table alone");
   // Asked before the work: a place that cannot be written should not cost a minute first.
   std::optional<ResultFolder> folder;
   if (to_folder) folder.emplace(place, options.force);
@@ -154,7 +157,7 @@ int answer(const Options& options, const std::vector<Question>& questions) {
         ": none of these scenes and solvers can answer it (stability needs a scene with a [stiff] table "
         "and a solver of fixed step, convergence a solver of fixed step)");
   if (!to_folder) {
-    const std::string text = csv(tables.front());
+    const std::string text = options.json ? json(tables.front()) : csv(tables.front());
     if (place == "-")
       write_stdout(text);
     else
@@ -169,10 +172,16 @@ int answer(const Options& options, const std::vector<Question>& questions) {
   progress(options, "drawing");
   const ReportOutcome report = write_report(folder->draft());
   progress(options, "");
-  const std::string summary = result_summary(folder->draft(), place);
+  const std::string summary =
+      options.json ? json(questions.size() == 1 ? tables.front() : summary_table(folder->draft()))
+                   : result_summary(folder->draft(), place);
+  const bool one_plot = questions.size() == 1 && stdout_is_terminal();
+  const std::string plot = !options.json && (options.plot || one_plot)
+                               ? work_precision_plot(folder->draft(), stdout_is_coloured())
+                               : "";
   folder->commit();
   for (const std::string& note : report.notes) fmt::print(stderr, "polhode: note: {}\n", note);
-  if (!options.quiet) write_stdout(summary);
+  if (options.json || !options.quiet) write_stdout(summary + (plot.empty() ? "" : "\n" + plot));
   return interrupted() ? 130 : 0;
 }
 

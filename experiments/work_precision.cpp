@@ -75,7 +75,6 @@ std::vector<Table> work_precision(const Plan& plan) {
     });
     if (interrupted()) break;
 
-    progress(plan.options, "work-precision: " + scene.id + ", clock");
     std::vector<std::function<void()>> timed;
     std::vector<MeasuredRun*> of;
     for (MeasuredRun& c : all) {
@@ -83,7 +82,11 @@ std::vector<Table> work_precision(const Plan& plan) {
       timed.push_back(timed_run(plan.options, scene, c));
       of.push_back(&c);
     }
-    const auto measured = time_interleaved(timed, timing);
+    const auto measured = time_interleaved(timed, timing, [&](std::size_t done, std::size_t total) {
+      count_progress(done, total);
+      progress(plan.options, "work-precision: " + scene.id + ", clock");
+    });
+    count_progress(0, 0);
     for (std::size_t i = 0; i < of.size(); ++i) of[i]->timing = measured[i];
 
     const Method* unsupported = nullptr;
