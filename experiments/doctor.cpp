@@ -114,7 +114,7 @@ void bullet(Findings& f) {
 }
 
 /// Runs a check of ours; whatever it throws is a finding.
-void guarded(Findings& f, const char* what, void (*check)(Findings&)) {
+void tried(Findings& f, const char* what, void (*check)(Findings&)) {
   try {
     check(f);
   } catch (const std::exception& e) {
@@ -209,9 +209,9 @@ int doctor_verb(const Options& options) {
   }
   floating_point(f);
   clock_and_noise(f);
-  guarded(f, "closed form", closed_form);
-  guarded(f, "order of rk4", order_of_rk4);
-  guarded(f, "Bullet's published error", bullet);
+  tried(f, "closed form", closed_form);
+  tried(f, "order of rk4", order_of_rk4);
+  tried(f, "Bullet's published error", bullet);
 
   if (options.json) {
     write_stdout(json(f.table));

@@ -16,15 +16,17 @@ struct Options {
   std::optional<double> h;            // s
   std::optional<double> duration;     // s, instead of the scene's own
   std::optional<double> rtol, atol;
-  std::optional<std::int64_t> samples;  // N: rows at 0, T/N, ..., T
-  std::vector<double> times;            // s, exactly these rows
-  std::optional<double> error;          // to be reached, in the unit of `norm`
-  std::optional<double> max_error;      // beyond which a check has failed
-  std::optional<double> budget_s;       // CPU time of one run
-  std::optional<double> engine_step;    // s
-  std::string norm;                     // attitude, rate, energy, momentum, position; "": the scene decides
-  std::string quaternion, frame;        // of a trajectory file; "": its header decides
-  std::optional<std::string> output;    // folder, file, or "-" for stdout
+  std::optional<std::int64_t> samples;       // N: rows at 0, T/N, ..., T
+  std::vector<double> times;                 // s, exactly these rows
+  std::optional<std::string> dial;           // of stability: the place of a number in the scene file,
+  std::optional<double> dial_from, dial_to;  // and its range; all three or none
+  std::optional<double> error;               // to be reached, in the unit of `norm`
+  std::optional<double> max_error;           // beyond which a check has failed
+  std::optional<double> budget_s;            // CPU time of one run
+  std::optional<double> engine_step;         // s
+  std::string norm;                   // attitude, rate, energy, momentum, position; "": the scene decides
+  std::string quaternion, frame;      // of a trajectory file; "": its header decides
+  std::optional<std::string> output;  // folder, file, or "-" for stdout
   bool quick = false, plot = false, json = false, force = false, quiet = false, verbose = false;
   int jobs = 0;  // parallel error runs; 0: as many as there are cores. Timing is never parallel.
   std::optional<double> timeout_s;  // per run

@@ -18,7 +18,7 @@ namespace {
 
 /// What was typed, as text: numbers are read by us, whole, so that 1e-3x, nan and "" are errors.
 struct Typed {
-  std::vector<std::string> operands, solvers;
+  std::vector<std::string> operands, more_scenes, solvers;
   std::map<std::string_view, std::string> text;  // by the long name of the option
   std::map<std::string_view, bool> flag;
 };
@@ -90,6 +90,7 @@ Options options_of(const Typed& typed, const CLI::App& verb) {
   constexpr double tiny = 1e-300, huge = 1e300;
   Options o;
   o.scenes = typed.operands;
+  o.scenes.insert(o.scenes.end(), typed.more_scenes.begin(), typed.more_scenes.end());
   o.solvers = typed.solvers;
   const auto number = [&](const char* name, double low, double high, const char* need) {
     return given(name) ? std::optional(real(name, typed.text.at(name), low, high, need)) : std::nullopt;
@@ -106,6 +107,16 @@ Options options_of(const Typed& typed, const CLI::App& verb) {
   if (given("--times"))
     for (const std::string& t : split(typed.text.at("--times"), ','))
       o.times.push_back(real("--times", t, 0, huge, "times >= 0 in seconds, separated by commas"));
+  if (given("--dial") != given("--from") || given("--dial") != given("--to"))
+    throw UsageError("--dial, --from and --to belong together: a place in the scene file and its range");
+  if (given("--dial")) {
+    if (o.scenes.empty()) throw UsageError("--dial: which scene's? Name one");
+    o.dial = typed.text.at("--dial");
+    o.dial_from = number("--from", 1e-30, 1e30, "a number from 1e-30 to 1e30");
+    o.dial_to = number("--to", 1e-30, 1e30, "a number from 1e-30 to 1e30");
+    if (!(*o.dial_to > *o.dial_from))
+      throw UsageError("--to: got " + typed.text.at("--to") + ", needs more than --from");
+  }
   o.error = number("--error", tiny, huge, "an error > 0");
   o.max_error = number("--max-error", tiny, huge, "an error > 0");
   if (given("--budget")) o.budget_s = duration("--budget", typed.text.at("--budget"));
@@ -136,8 +147,10 @@ void add_options(CLI::App& verb, const Verb& v, Typed& typed) {
   for (const OptionInfo& info : all_options()) {
     const std::string names(info.names), help(info.help);
     CLI::Option* option = nullptr;
-    if (info.long_name() == "--solver")
-      option = verb.add_option(names, typed.solvers, help)->allow_extra_args(false);
+    if (info.long_name() == "--solver" || info.long_name() == "--scene")
+      option =
+          verb.add_option(names, info.long_name() == "--solver" ? typed.solvers : typed.more_scenes, help)
+              ->allow_extra_args(false);
     else if (info.takes.empty())
       option = verb.add_flag(names, typed.flag[info.long_name()], help);
     else

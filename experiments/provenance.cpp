@@ -78,13 +78,16 @@ std::vector<std::pair<std::string, std::string>> build_facts() {
           {"libraries", libraries},       {"CPU", cpu_model()}};
 }
 
-std::string run_json(const std::string& command_line, std::span<const TruthCost> truths) {
+std::string run_json(const std::string& command_line, std::span<const TruthCost> truths,
+                     const std::string& fingerprint, bool interrupted) {
   nlohmann::ordered_json j;
   j["program"] = "polhode";
   j["version"] = polhode_version;
   j["commit"] = POLHODE_COMMIT;
   j["command"] = command_line;
   j["date"] = utc_now();
+  j["fingerprint"] = fingerprint;
+  j["interrupted"] = interrupted;
   j["compiler"] = POLHODE_COMPILER;
   j["flags"] = POLHODE_FLAGS;
   j["contraction"] = contraction_is_on() ? "on" : "off";

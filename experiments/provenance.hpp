@@ -25,8 +25,10 @@ bool contraction_is_on();
 std::vector<std::pair<std::string, std::string>> build_facts();
 
 /// run.json: command, version and commit, compiler, flags, contraction, library versions, engine precision,
-/// CPU, cores, date, seed (none is used: every result is deterministic).
-std::string run_json(const std::string& command_line, std::span<const TruthCost> truths);
+/// CPU, cores, date, seed (none is used: every result is deterministic). `fingerprint`:
+/// experiments/earlier.hpp.
+std::string run_json(const std::string& command_line, std::span<const TruthCost> truths,
+                     const std::string& fingerprint, bool interrupted);
 
 /// datapackage.json: each table with its columns, types and meanings.
 std::string datapackage_json(std::span<const Table> tables);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <exception>
 #include <mutex>
@@ -62,6 +63,18 @@ void for_each_run(const Options& options, std::size_t n, const std::function<voi
 Scene asked_scene(const Options& options, const std::string& id) {
   Scene scene = find_scene(id);
   if (options.duration) scene.duration = *options.duration;
+  if (options.dial) {
+    Dial dial;
+    dial.place = *options.dial;
+    // Whole powers of ten from end to end where that comes out even, else as many points as decades, rounded
+    // up.
+    const double decades = std::log10(*options.dial_to / *options.dial_from);
+    const int n = std::max(1, static_cast<int>(std::ceil(decades - 1e-9)));
+    for (int i = 0; i <= n; ++i)
+      dial.values.push_back(i == n ? *options.dial_to : *options.dial_from * std::pow(10, decades * i / n));
+    scene.dial = dial;
+    (void)scene.with_dial(dial.values.front());  // a place that is not there is said now
+  }
   return scene;
 }
 
@@ -133,15 +146,32 @@ void progress(const Options& options, const std::string& what) {
   std::fflush(stderr);
 }
 
+void tell_note(const Options& options, const std::string& note) {
+  if (options.quiet) return;
+  progress(options, "");
+  std::fprintf(stderr, "polhode: note: %s\n", note.c_str());
+}
+
+Integration guarded(Integration run) {
+  return [run = std::move(run)](const Grid& grid, Trajectory& out) {
+    try {
+      run(grid, out);
+    } catch (const std::exception& e) {
+      out.outcome = Outcome::solver_failed;
+      out.reason = e.what();
+    }
+  };
+}
+
 Trajectory run_once(const Method& method, const Scene& scene, const Setting& setting, const Grid& grid) {
   Trajectory out;
-  const Prepared prepared = method.prepare(scene, setting);
+  Prepared prepared = method.prepare(scene, setting);
   if (!prepared.integrate) {
     out.outcome = Outcome::unsupported;
     out.reason = prepared.unsupported;
     return out;
   }
-  prepared.integrate(grid, out);
+  guarded(std::move(prepared.integrate))(grid, out);
   return out;
 }
 

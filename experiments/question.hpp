@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "experiments/earlier.hpp"
 #include "experiments/options.hpp"
 #include "experiments/table.hpp"
 #include "experiments/truth.hpp"
@@ -16,6 +17,7 @@ struct Plan {
   std::vector<Scene> scenes;
   std::vector<const Method*> methods;
   Options options;
+  Earlier earlier = {};  // rows of this command's run that was interrupted
 };
 
 /// Answers one question about every scene and solver of the plan. Stops early, with what there is, when
@@ -51,7 +53,13 @@ void count_progress(std::size_t done, std::size_t total);
 /// A line of progress on a terminal, nothing elsewhere.
 void progress(const Options& options, const std::string& what);
 
-/// One run; a solver that does not serve the scene gives outcome `unsupported` with its reason.
+/// A sentence for the user on standard error, unless --quiet.
+void tell_note(const Options& options, const std::string& note);
+
+/// The same run, an exception in it turned into outcome `solver_failed`: one bad solver stops no study.
+Integration guarded(Integration run);
+
+/// One run, guarded; a solver that does not serve the scene gives outcome `unsupported` with its reason.
 Trajectory run_once(const Method& method, const Scene& scene, const Setting& setting, const Grid& grid);
 
 /// An empty cell for NaN, the number otherwise.

@@ -108,12 +108,21 @@ std::vector<TruthCost> truths_of(const Plan& plan) {
   return costs;
 }
 
-Plan plan_of(const Options& options) {
+/// Every built-in scene that has a dial.
+std::vector<std::string> dial_scenes() {
+  std::vector<std::string> ids = builtin_scene_ids();
+  std::erase_if(ids, [](const std::string& id) { return !find_scene(id).dial; });
+  return ids;
+}
+
+Plan plan_of(const Options& options, const std::vector<Question>& questions) {
   Plan plan;
   plan.options = options;
   std::vector<std::string> ids = options.scenes;
   if (ids.empty()) {
-    if (options.quick)
+    if (questions.size() == 1 && std::string_view(questions.front().id) == "stability" && !options.quick)
+      ids = dial_scenes();
+    else if (options.quick)
       ids.assign(std::begin(quick_scenes), std::end(quick_scenes));
     else
       ids.assign(std::begin(study_scenes), std::end(study_scenes));
@@ -135,7 +144,7 @@ Plan plan_of(const Options& options) {
 
 /// Answers questions and puts the answers where the options say.
 int answer(const Options& options, const std::vector<Question>& questions) {
-  const Plan plan = plan_of(options);
+  Plan plan = plan_of(options, questions);
   const std::string place = options.output.value_or("polhode-results");
   const bool to_folder =
       place != "-" && !place.ends_with(".csv") && !(options.json && place.ends_with(".json"));
@@ -145,6 +154,8 @@ int answer(const Options& options, const std::vector<Question>& questions) {
   // Asked before the work: a place that cannot be written should not cost a minute first.
   std::optional<ResultFolder> folder;
   if (to_folder) folder.emplace(place, options.force);
+  const std::string mark = fingerprint(options.command_line, plan.scenes);
+  if (to_folder) plan.earlier = Earlier(place, mark);
   std::vector<Table> tables;
   for (const Question& q : questions) {
     if (interrupted()) break;
@@ -167,7 +178,7 @@ int answer(const Options& options, const std::vector<Question>& questions) {
   tables.push_back(solver_table());
   if (!interrupted()) tables.push_back(scene_table(plan));
   for (const Table& t : tables) folder->write(std::string(t.file), csv(t));
-  folder->write("run.json", run_json(options.command_line, truths_of(plan)));
+  folder->write("run.json", run_json(options.command_line, truths_of(plan), mark, interrupted()));
   folder->write("datapackage.json", datapackage_json(tables));
   progress(options, "drawing");
   const ReportOutcome report = write_report(folder->draft());

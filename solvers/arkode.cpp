@@ -25,6 +25,7 @@
 #include <deque>
 #include <utility>
 
+#include "solvers/stability_function.hpp"
 #include "solvers/sundials_arkode.hpp"
 
 namespace polhode {
@@ -133,31 +134,27 @@ Prepared prepare(const Scene& scene, const Setting& setting) {
           {}};
 }
 
-/// R(z) = 1 + z b^T (1 - z A)^-1 (1, ..., 1)^T of an explicit table, from the library's own coefficients: in
-/// ascending powers b^T A^(k-1) (1, ..., 1)^T.
-std::vector<double> stability_polynomial(const Table& table) {
-  const ARKodeButcherTable T = ARKodeButcherTable_LoadERK(static_cast<ARKODE_ERKTableID>(table.id));
+/// Of a table, from the library's own coefficients.
+StabilityFunction stability_of(const Table& table) {
+  const bool implicit = table.by == CarriedBy::arkstep_implicit;
+  const ARKodeButcherTable T = implicit
+                                   ? ARKodeButcherTable_LoadDIRK(static_cast<ARKODE_DIRKTableID>(table.id))
+                                   : ARKodeButcherTable_LoadERK(static_cast<ARKODE_ERKTableID>(table.id));
   if (T == nullptr) return {};
-  const auto n = static_cast<std::size_t>(T->stages);
-  std::vector<double> R = {1}, v(n, 1.0), Av(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    double bv = 0;
-    for (std::size_t i = 0; i < n; ++i) bv += T->b[i] * v[i];
-    R.push_back(bv);
-    for (std::size_t i = 0; i < n; ++i) {
-      Av[i] = 0;
-      for (std::size_t j = 0; j < i; ++j) Av[i] += T->A[i][j] * v[j];
-    }
-    v = Av;
+  Eigen::MatrixXd A(T->stages, T->stages);
+  Eigen::VectorXd b(T->stages);
+  for (int i = 0; i < T->stages; ++i) {
+    b[i] = T->b[i];
+    for (int j = 0; j < T->stages; ++j) A(i, j) = T->A[i][j];
   }
   ARKodeButcherTable_Free(T);
-  return R;
+  return stability_function(A, b);
 }
 
 /// What a row refers to, kept for as long as the program runs.
 struct Text {
   std::string id, summary;
-  std::vector<double> stability_polynomial;
+  StabilityFunction stability;
 };
 
 /// The order that the installed library makes of a table.
@@ -196,9 +193,8 @@ Text text_of(const Table& table) {
   if (table.fixed_length_vectors) text.summary += ", vectors of fixed length";
   if (order_of(table) != table.order)
     text.summary += ", whose defect in this version leaves order " + std::to_string(order_of(table));
-  // The defect makes a step depend on the one before: it has no polynomial.
-  if (table.by != CarriedBy::arkstep_implicit && order_of(table) == table.order)
-    text.stability_polynomial = stability_polynomial(table);
+  // The defect makes a step depend on the one before: no function of z says what it does.
+  if (order_of(table) == table.order) text.stability = stability_of(table);
   return text;
 }
 
@@ -227,7 +223,8 @@ MethodRows rows() {
                      .by_tolerance = table.embedded > 0,
                      .in_studies = table.in_studies,
                      .claims = claims_of(table),
-                     .stability_polynomial = texts[i].stability_polynomial,
+                     .stability_polynomial = texts[i].stability.numerator,
+                     .stability_denominator = texts[i].stability.denominator,
                      .prepare = prepare_of[i]});
     }
     return all;

@@ -12,6 +12,7 @@
 
 #include "solvers/fixed_step.hpp"
 #include "solvers/iteration.hpp"
+#include "solvers/stability_function.hpp"
 
 namespace polhode {
 namespace {
@@ -158,13 +159,27 @@ constexpr Claims claims_of = {.attitude_order = order,
 constexpr std::string_view source =
     "Hairer, Lubich & Wanner, Geometric Numerical Integration (2006), II.1.3, IV.2, VIII.6";
 
-constinit const Method rows[] = {
+StabilityFunction stability_of(const Tableau& T) {
+  Eigen::MatrixXd A(T.stages, T.stages);
+  Eigen::VectorXd b(T.stages);
+  for (int i = 0; i < T.stages; ++i) {
+    b[i] = T.b[i];
+    for (int j = 0; j < T.stages; ++j) A(i, j) = T.a[i][j];
+  }
+  return stability_function(A, b);
+}
+const StabilityFunction stability[] = {stability_of(tableaux[0]), stability_of(tableaux[1]),
+                                       stability_of(tableaux[2])};
+
+const Method rows[] = {
     {.id = "implicit-midpoint",
      .family = "Gauss collocation",
      .summary = "implicit midpoint rule on (q, w_B), solved to rounding",
      .source = source,
      .by_steps = true,
      .claims = claims_of<2>,
+     .stability_polynomial = stability[0].numerator,
+     .stability_denominator = stability[0].denominator,
      .prepare = run_fixed_step<Gauss<1>>},
     {.id = "gauss4",
      .family = "Gauss collocation",
@@ -172,6 +187,8 @@ constinit const Method rows[] = {
      .source = source,
      .by_steps = true,
      .claims = claims_of<4>,
+     .stability_polynomial = stability[1].numerator,
+     .stability_denominator = stability[1].denominator,
      .prepare = run_fixed_step<Gauss<2>>},
     {.id = "gauss6",
      .family = "Gauss collocation",
@@ -179,6 +196,8 @@ constinit const Method rows[] = {
      .source = source,
      .by_steps = true,
      .claims = claims_of<6>,
+     .stability_polynomial = stability[2].numerator,
+     .stability_denominator = stability[2].denominator,
      .prepare = run_fixed_step<Gauss<3>>},
 };
 

@@ -23,6 +23,8 @@ Prepared prepare_implicit_euler(const Scene& scene, const Setting& setting) {
   return run_fixed_steps(std::make_shared<ImplicitFixed>(scene, odeint_implicit_euler_stepper), setting);
 }
 
+constexpr double numerator[] = {1}, denominator[] = {1, -1};
+
 constinit const Method rows[] = {
     {.id = "odeint-implicit-euler",
      .family = "Boost.Odeint",
@@ -41,6 +43,8 @@ constinit const Method rows[] = {
                 .space_momentum = Claim::no,
                 .energy_bounded = Claim::no,
                 .reversible = Claim::no},
+     .stability_polynomial = numerator,
+     .stability_denominator = denominator,
      .prepare = prepare_implicit_euler},
 };
 

@@ -52,7 +52,7 @@ Trajectory free_run(const Method& method, double duration, double h, int n) {
 /// it begins as the exponential.
 double coarse_step(const Method& m) {
   double order = std::max({m.claims.attitude_order, m.claims.energy_order, 0.0}), factorial = 1;
-  for (std::size_t i = 1; i < m.stability_polynomial.size(); ++i) {
+  for (std::size_t i = 1; i < m.stability_polynomial.size() && m.stability_denominator.size() <= 1; ++i) {
     factorial *= double(i);
     if (std::abs(m.stability_polynomial[i] * factorial - 1) > 1e-9) break;
     order = std::max(order, double(i));

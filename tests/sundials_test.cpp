@@ -39,7 +39,7 @@ TEST(Arkode, StabilityPolynomialsAreExponentialsUpToTheOrder) {
   // products of at most 13 rounded coefficients, some of them as large as 12.
   int seen = 0;
   for (const Method* m : select_methods({"arkode-*"})) {
-    if (m->stability_polynomial.empty()) continue;
+    if (m->stability_polynomial.empty() || m->stability_denominator.size() > 1) continue;
     ++seen;
     // NAME-STAGES-EMBEDDED-ORDER, but for the one without a pair: NAME-STAGES-ORDER.
     std::string id(m->id);
