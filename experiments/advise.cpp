@@ -208,7 +208,7 @@ int advise_on_scene(const Options& options) {
                  "polhode simulate {} --solver {}{}{}", options.scenes.front(), id,
                  m.knob == Knob::none ? "" : fmt::format(" --{} {}", name_of(m.knob), shortest(m.value)),
                  asked.command_tail),
-             m.method, m.knob, m.value, f.error, m.run.work.steps, m.run.work.rhs_evals, m.timing});
+             m.method, m.knob, m.value, f.error, f.work.steps, f.work.rhs_evals, m.timing});
         break;
       case Found::Status::too_slow:
         slow.push_back(id);

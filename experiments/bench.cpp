@@ -45,6 +45,7 @@ constexpr const char* default_scenes[] = {"spinning-projectile", "tumbling-box",
 struct Case {
   const Scene* scene;
   MeasuredRun run;
+  Work work;                    // of the run that is timed: sample times may cost steps
   std::vector<double> seconds;  // of a run, one a repetition
 
   std::string name() const { return scene->id + '/' + std::string(run.method->id); }
@@ -71,7 +72,10 @@ class Collector : public benchmark::BenchmarkReporter {
   }
   bool ReportContext(const Context& context) override { return json_.ReportContext(context); }
   void ReportRuns(const std::vector<Run>& runs) override {
-    json_.ReportRuns(runs);
+    std::vector<Run> finite = runs;  // JSON has no NaN, which the variation of a zero is
+    for (Run& r : finite)
+      std::erase_if(r.counters, [](const auto& c) { return !std::isfinite(c.second.value); });
+    json_.ReportRuns(finite);
     for (const Run& r : runs) {
       if (r.run_type != Run::RT_Iteration) continue;
       const auto c = of_.find(r.run_name.function_name);
@@ -99,7 +103,7 @@ void measure(benchmark::State& state, const Options& options, const Case& c) {
   }
   const auto once = timed_run(options, *c.scene, c.run);
   for (auto _ : state) once();
-  const double steps = static_cast<double>(run.work.steps);
+  const double steps = static_cast<double>(c.work.steps);
   using benchmark::Counter;
   if (steps > 0) {
     state.counters["ns_per_step"] =
@@ -107,7 +111,7 @@ void measure(benchmark::State& state, const Options& options, const Case& c) {
     state.counters["steps_per_s"] = Counter(steps, Counter::kIsIterationInvariantRate);
     state.counters["steps"] = steps;
   }
-  state.counters["rhs_evals"] = static_cast<double>(run.work.rhs_evals);
+  state.counters["rhs_evals"] = static_cast<double>(c.work.rhs_evals);
   state.counters["real_time_factor"] = Counter(c.scene->duration, Counter::kIsIterationInvariantRate);
   const auto error = [&state](const char* name, double x) {
     if (std::isfinite(x)) state.counters[name] = x;
@@ -158,7 +162,7 @@ std::string in_words(const std::vector<Scene>& scenes, const std::vector<Case>& 
       }
       const Timing t = c.timing();
       const Errors& e = c.run.errors;
-      const auto steps = static_cast<double>(c.run.run.work.steps);
+      const auto steps = static_cast<double>(c.work.steps);
       const auto of_step = [steps](double s) {
         return steps > 0 ? fmt::format("{:.1f}", s / steps * 1e9) : "-";
       };
@@ -184,9 +188,9 @@ Table table_of(const std::vector<Case>& all) {
     row.resize(std::size(columns));
     if (c.run.run.outcome == Outcome::ok && !c.seconds.empty()) {
       const Timing t = c.timing();
-      const auto steps = static_cast<double>(c.run.run.work.steps);
-      row[4] = c.run.run.work.steps;
-      row[5] = c.run.run.work.rhs_evals;
+      const auto steps = static_cast<double>(c.work.steps);
+      row[4] = c.work.steps;
+      row[5] = c.work.rhs_evals;
       if (steps > 0) {
         row[6] = t.min / steps * 1e9;
         row[7] = t.median / steps * 1e9;
@@ -213,13 +217,16 @@ int bench_verb(const Options& options) {
   for (const std::string& id : ids) scenes.push_back(asked_scene(options, id));
   std::vector<Case> all;
   for (const Scene& scene : scenes)
-    for (const Method* m : methods_of(options)) all.push_back({&scene, run_of(options, scene, *m), {}});
+    for (const Method* m : methods_of(options)) all.push_back({&scene, run_of(options, scene, *m), {}, {}});
   for_each_run(options, all.size(), [&](std::size_t i) {
     Case& c = all[i];
     progress(options, "bench: errors, " + c.name());
     const auto times = uniform_times(c.scene->duration, 16);
     find_errors(options, *c.scene, *truth_of(*c.scene, times), times, c.run);
     c.run.run.samples.clear();
+    const double end[] = {c.scene->duration};
+    if (c.run.run.outcome == Outcome::ok)
+      c.work = run_once(*c.run.method, *c.scene, setting_of(options, c.run), grid_of(c.run, end)).work;
   });
 
   // The library takes its settings from a command line of its own.

@@ -20,7 +20,7 @@ std::string operand_action(std::string_view operands) {
   if (operands.find('|') != std::string_view::npos) return "words " + words_of(split(operands, '|'));
   std::string actions;
   const auto has = [operands](const char* word) { return operands.find(word) != std::string_view::npos; };
-  if (has("SCENE")) actions += "words $scenes; ";
+  if (has("SCENE")) actions += "words \"$scenes\"; ";
   if (has("SCENE") || has("TRAJECTORY")) return actions + "files";
   return has("FOLDER") || has("BEFORE") ? actions + "folders" : actions + ":";
 }

@@ -103,8 +103,8 @@ std::string plot_of(const report::Results& results, const report::SceneCard& sce
     for (const Point& p : points)
       if (p.solver == ids[k]) at(p) = static_cast<char>('a' + k);
 
-  std::string out = fmt::format("{}: largest {} against CPU time of a run\n\n", scene.id,
-                                quantity.with_unit(quantity.name));
+  std::string out = fmt::format("{}: largest {}{} against CPU time of a run\n\n", scene.id, quantity.name,
+                                quantity.unit.empty() ? "" : ", " + quantity.unit + ",");
   std::string label_before;
   for (int row = height - 1; row >= 0; --row) {
     const double decade = errors.low + (errors.high - errors.low) * row / (height - 1);

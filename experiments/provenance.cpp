@@ -48,14 +48,15 @@ const char* type_name(ColumnType type) {
   return "";
 }
 
-/// Solvers that wrap a library name it in their rows; the rest is what the models are built with.
+/// Solvers that wrap a library name it in their rows (engines are told of apart); the rest is what the models
+/// are built with.
 std::set<std::string> libraries_used() {
-  std::set<std::string> libraries{std::string("Boost ") + BOOST_LIB_VERSION,
-                                  "Eigen " + std::to_string(EIGEN_WORLD_VERSION) + "." +
-                                      std::to_string(EIGEN_MAJOR_VERSION) + "." +
-                                      std::to_string(EIGEN_MINOR_VERSION)};
+  std::set<std::string> libraries{
+      "Boost " + std::to_string(BOOST_VERSION / 100000) + "." + std::to_string(BOOST_VERSION / 100 % 1000),
+      "Eigen " + std::to_string(EIGEN_WORLD_VERSION) + "." + std::to_string(EIGEN_MAJOR_VERSION) + "." +
+          std::to_string(EIGEN_MINOR_VERSION)};
   for (const Method* m : all_methods())
-    if (!m->version.empty()) libraries.emplace(m->version);
+    if (!m->version.empty() && m->family != "engine") libraries.emplace(m->version);
   return libraries;
 }
 

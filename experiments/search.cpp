@@ -163,12 +163,14 @@ void time_carefully(const Options& options, const Scene& scene, const Goal& goal
       Found& f = *open[i];
       const double rough = f.best.timing.min;
       f.best.timing = measured[i];
+      const double end[] = {scene.duration};
+      f.work = run_once(*f.best.method, scene, setting_of(options, f.best), grid_of(f.best, end)).work;
       if (!goal.budget_s || measured[i].min <= *goal.budget_s) continue;
       const auto climber = std::ranges::find(all, f.best.method, &Climber::method);
       const Rung* less = best_of(*climber, goal, rough * std::min(0.99, *goal.budget_s / measured[i].min));
       f.status = Found::Status::too_slow;
       if (!less || pass == 3) continue;
-      f = {less->run, less->error, Found::Status::found};
+      f = {less->run, less->error, {}, Found::Status::found};
       f.best.timing.min = less->seconds;
       above.push_back(&f);
     }
@@ -253,12 +255,12 @@ std::vector<Found> search(const Options& options, const Scene& scene, const Scen
   std::vector<Found> found, others;
   for (const Climber& c : all) {
     if (const Rung* r = best_of(c, goal)) {
-      found.push_back({r->run, r->error, Found::Status::found});
+      found.push_back({r->run, r->error, {}, Found::Status::found});
       found.back().best.timing.min = r->seconds;
     } else {
       const bool failed =
           std::ranges::none_of(c.tried, [](const Rung& t) { return t.run.run.outcome == Outcome::ok; });
-      Found f{c.tried.empty() ? MeasuredRun{c.method, c.knob, 0} : c.tried.back().run, c.least, c.status};
+      Found f{c.tried.empty() ? MeasuredRun{c.method, c.knob, 0} : c.tried.back().run, c.least, {}, c.status};
       if (failed && f.status == Found::Status::out_of_reach) f.status = Found::Status::failed;
       others.push_back(std::move(f));
     }

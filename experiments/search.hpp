@@ -33,6 +33,7 @@ struct Goal {
 struct Found {
   MeasuredRun best;  // timed if `status` is found
   double error = 0;  // in the norm
+  Work work{};       // of the run that was timed: sample times may cost steps
   enum class Status { found, out_of_reach, too_slow, failed, unsupported } status = Status::out_of_reach;
 };
 

