@@ -57,7 +57,7 @@ double slope(double before, double now) { return std::log2(before / now); }
 }  // namespace
 
 std::vector<Table> convergence(const Plan& plan) {
-  Table rows{"convergence.csv", convergence_columns, {}}, orders{"orders.csv", order_columns, {}};
+  Table rows{"convergence.csv", convergence_columns, {}, 3}, orders{"orders.csv", order_columns, {}, 3};
   refuse_options(plan.options, "convergence makes its own ladder of steps and sample times", true, true,
                  true);
   // 2^4 ... 2^17 steps; a quick look stops at 2^13.

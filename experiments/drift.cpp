@@ -47,32 +47,15 @@ constexpr const char* quantities[quantity_count] = {"attitude_error", "rotationa
 
 using Drifts = std::array<double, quantity_count>;
 
-double angle(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
-
-Drifts drifts_at(const Scene& scene, const SceneTruth& truth, const Sample& s, const WideSample& x) {
-  Drifts d;
-  d.fill(none);
-  const auto relative = [&](double value, const Wide& exact, bool rotational) {
-    return Wide(Wide(value) - exact).convert_to<double>() / energy_scale(truth, rotational);
-  };
-  d[2] = relative(s.total_energy, x.total_energy, false);
-  if (!scene.rotation) return d;
-  if (scene.rotation->attitude) {
-    d[0] = attitude_error<Wide>(x.q, s.q.cast<Wide>()).convert_to<double>();
-    d[5] = s.unit_defect;
-  }
-  d[1] = relative(s.rotational_energy, x.rotational_energy, true);
-  const Vec3 exact(x.L.x().convert_to<double>(), x.L.y().convert_to<double>(), x.L.z().convert_to<double>());
-  const double L0 = truth.truth.samples.front().L.norm().convert_to<double>();
-  d[3] = Vec3T<Wide>(s.L.cast<Wide>() - x.L).norm().convert_to<double>() / (L0 > 0 ? L0 : 1);
-  d[4] = angle(s.L, exact);
-  return d;
+Drifts drifts_at(const Scene& scene, const SceneTruth& truth, const Sample& s, const WideSample& exact) {
+  const SampleErrors e = errors_at(scene, truth, s, exact);
+  return {e.attitude, e.rotational_energy, e.total_energy, e.momentum, e.momentum_direction, e.unit_defect};
 }
 
 }  // namespace
 
 std::vector<Table> drift(const Plan& plan) {
-  Table samples{"drift.csv", drift_columns, {}}, verdicts{"drift_verdict.csv", verdict_columns, {}};
+  Table samples{"drift.csv", drift_columns, {}, 5}, verdicts{"drift_verdict.csv", verdict_columns, {}, 5};
   const Options& options = plan.options;
   for (const Scene& scene : plan.scenes) {
     if (interrupted()) break;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <map>
 
 #include <CLI/CLI.hpp>
 
@@ -17,9 +18,9 @@ namespace {
 
 /// What was typed, as text: numbers are read by us, whole, so that 1e-3x, nan and "" are errors.
 struct Typed {
-  std::vector<std::string> scenes, more_scenes, solvers;
-  std::string dial, from, to, duration, steps, h, rtol, atol, samples, times, output, jobs, timeout, digits;
-  bool has_output = false, quick = false, json = false, force = false, quiet = false, verbose = false;
+  std::vector<std::string> operands, more_scenes, solvers;
+  std::map<std::string_view, std::string> text;  // by the long name of the option
+  std::map<std::string_view, bool> flag;
 };
 
 double real(const std::string& option, const std::string& text, double low, double high, const char* need) {
@@ -39,90 +40,124 @@ std::int64_t whole(const std::string& option, const std::string& text, std::int6
   return x;
 }
 
+/// "1/60" or "0.0125"
+double ratio(const std::string& option, const std::string& text) {
+  constexpr const char* need = "a step size > 0 in seconds, or a ratio such as 1/60";
+  const std::size_t slash = text.find('/');
+  const double above = real(option, text.substr(0, slash), 1e-12, 1e12, need);
+  return slash == std::string::npos ? above : above / real(option, text.substr(slash + 1), 1e-12, 1e12, need);
+}
+
+/// "10us", "2 ms", "1.5s"
+double duration(const std::string& option, const std::string& text) {
+  constexpr const char* need = "a time with its unit: ns, us, ms or s (10us)";
+  constexpr std::pair<std::string_view, double> units[] = {
+      {"ns", 1e-9}, {"us", 1e-6}, {"ms", 1e-3}, {"s", 1}};
+  for (const auto& [unit, seconds] : units)
+    if (text.ends_with(unit)) {
+      std::string number = text.substr(0, text.size() - unit.size());
+      if (number.ends_with(' ')) number.pop_back();
+      return seconds * real(option, number, 1e-300, 1e12, need);
+    }
+  throw UsageError(option + ": got '" + text + "', needs " + need);
+}
+
 Options options_of(const Typed& typed, const CLI::App& verb) {
   const auto given = [&verb](const char* name) { return verb.get_option(name)->count() > 0; };
   const auto exclusive = [&](const char* a, const char* b) {
     if (given(a) && given(b))
       throw UsageError(std::string(a) + " and " + b + " exclude each other: give one");
   };
-  constexpr double tiny = 1e-300, huge = 1e300;
+  for (const OptionInfo& info : all_options()) {
+    const std::string name(info.long_name());
+    if (!given(name.c_str())) continue;
+    if (!info.followed_by(verb.get_name()))
+      throw UsageError(name + ": " + verb.get_name() + " cannot follow it; it is for " +
+                       std::string(info.verbs));
+    const std::vector<std::string> words = info.choices();
+    if (words.empty()) continue;
+    const std::string& word = typed.text.at(info.long_name());
+    if (std::find(words.begin(), words.end(), word) == words.end())
+      throw UsageError(name + ": got '" + word + "', needs one of " + name_list(words));
+  }
   exclusive("--steps", "--h");
   exclusive("--steps", "--rtol");
   exclusive("--h", "--rtol");
   exclusive("--times", "--samples");
+  exclusive("--budget", "--engine-step");
+  exclusive("--budget", "--error");
   exclusive("--quiet", "--verbose");
+  constexpr double tiny = 1e-300, huge = 1e300;
   Options o;
-  o.scenes = typed.scenes;
+  o.scenes = typed.operands;
   o.scenes.insert(o.scenes.end(), typed.more_scenes.begin(), typed.more_scenes.end());
   o.solvers = typed.solvers;
-  if (given("--duration"))
-    o.duration = real("--duration", typed.duration, 1e-12, 1e12, "seconds, from 1e-12 to 1e12");
-  if (given("--steps")) o.steps = whole("--steps", typed.steps, 1, 1'000'000'000'000);
-  if (given("--h")) o.h = real("--h", typed.h, tiny, huge, "a step size > 0 in seconds");
-  if (given("--rtol")) o.rtol = real("--rtol", typed.rtol, 1e-30, 1, "a tolerance from 1e-30 to 1");
-  if (given("--atol")) o.atol = real("--atol", typed.atol, tiny, huge, "a tolerance > 0");
-  if (given("--samples")) o.samples = whole("--samples", typed.samples, 1, 10'000'000);
-  if (given("--times")) {
-    std::size_t from = 0;
-    for (bool more = true; more;) {
-      const std::size_t comma = typed.times.find(',', from);
-      more = comma != std::string::npos;
-      o.times.push_back(real("--times", typed.times.substr(from, more ? comma - from : std::string::npos), 0,
-                             huge, "times >= 0 in seconds, separated by commas"));
-      from = comma + 1;
-    }
-  }
+  const auto number = [&](const char* name, double low, double high, const char* need) {
+    return given(name) ? std::optional(real(name, typed.text.at(name), low, high, need)) : std::nullopt;
+  };
+  const auto count = [&](const char* name, std::int64_t high) {
+    return given(name) ? std::optional(whole(name, typed.text.at(name), 1, high)) : std::nullopt;
+  };
+  o.duration = number("--duration", 1e-12, 1e12, "seconds, from 1e-12 to 1e12");
+  o.steps = count("--steps", 1'000'000'000'000);
+  o.h = number("--h", tiny, huge, "a step size > 0 in seconds");
+  o.rtol = number("--rtol", 1e-30, 1, "a tolerance from 1e-30 to 1");
+  o.atol = number("--atol", tiny, huge, "a tolerance > 0");
+  o.samples = count("--samples", 10'000'000);
+  if (given("--times"))
+    for (const std::string& t : split(typed.text.at("--times"), ','))
+      o.times.push_back(real("--times", t, 0, huge, "times >= 0 in seconds, separated by commas"));
   if (given("--dial") != given("--from") || given("--dial") != given("--to"))
     throw UsageError("--dial, --from and --to belong together: a place in the scene file and its range");
   if (given("--dial")) {
     if (o.scenes.empty()) throw UsageError("--dial: which scene's? Name one");
-    o.dial = typed.dial;
-    o.dial_from = real("--from", typed.from, 1e-30, 1e30, "a number from 1e-30 to 1e30");
-    o.dial_to = real("--to", typed.to, 1e-30, 1e30, "a number from 1e-30 to 1e30");
-    if (!(*o.dial_to > *o.dial_from)) throw UsageError("--to: got " + typed.to + ", needs more than --from");
+    o.dial = typed.text.at("--dial");
+    o.dial_from = number("--from", 1e-30, 1e30, "a number from 1e-30 to 1e30");
+    o.dial_to = number("--to", 1e-30, 1e30, "a number from 1e-30 to 1e30");
+    if (!(*o.dial_to > *o.dial_from))
+      throw UsageError("--to: got " + typed.text.at("--to") + ", needs more than --from");
   }
+  o.error = number("--error", tiny, huge, "an error > 0");
+  o.max_error = number("--max-error", tiny, huge, "an error > 0");
+  if (given("--budget")) o.budget_s = duration("--budget", typed.text.at("--budget"));
+  if (given("--engine-step")) o.engine_step = ratio("--engine-step", typed.text.at("--engine-step"));
+  o.norm = typed.text.at("--norm");
+  o.quaternion = typed.text.at("--quaternion");
+  o.frame = typed.text.at("--frame");
   if (given("--output")) {
-    if (typed.output.empty())
-      throw UsageError("-o: got '', needs a folder, a file, or - for standard output");
-    o.output = typed.output;
+    o.output = typed.text.at("--output");
+    if (o.output->empty()) throw UsageError("-o: got '', needs a folder, a file, or - for standard output");
   }
-  if (given("--jobs")) o.jobs = static_cast<int>(whole("--jobs", typed.jobs, 1, 1024));
-  if (given("--timeout"))
-    o.timeout_s = real("--timeout", typed.timeout, 1e-3, 1e9, "seconds, at least 0.001");
-  if (given("--digits")) o.digits = static_cast<int>(whole("--digits", typed.digits, 1, 30));
-  o.quick = typed.quick;
-  o.json = typed.json;
-  o.force = typed.force;
-  o.quiet = typed.quiet;
-  o.verbose = typed.verbose;
+  o.jobs = static_cast<int>(count("--jobs", 1024).value_or(0));
+  o.timeout_s = number("--timeout", 1e-3, 1e9, "seconds, at least 0.001");
+  if (given("--digits")) o.digits = static_cast<int>(*count("--digits", 30));
+  o.quick = typed.flag.at("--quick");
+  o.plot = typed.flag.at("--plot");
+  o.json = typed.flag.at("--json");
+  o.force = typed.flag.at("--force");
+  o.quiet = typed.flag.at("--quiet");
+  o.verbose = typed.flag.at("--verbose");
   return o;
 }
 
-void add_options(CLI::App& verb, Typed& typed) {
-  verb.add_option("SCENE", typed.scenes, "built-in ids or paths of TOML files");
-  verb.add_option("--scene", typed.more_scenes, "the same, repeatable")->allow_extra_args(false);
-  verb.add_option("--dial", typed.dial,
-                  "stability: the number of the scene file to vary (load[0].coefficients, duration, ...)");
-  verb.add_option("--from", typed.from, "and its least value");
-  verb.add_option("--to", typed.to, "and its largest; between them, one value a decade");
-  verb.add_option("--solver", typed.solvers, "solver id or glob, repeatable ('cvode-*')")
-      ->allow_extra_args(false);
-  verb.add_option("--duration", typed.duration, "how long the motion lasts, s; default: the scene's");
-  verb.add_option("--steps", typed.steps, "fixed steps over the whole duration");
-  verb.add_option("--h", typed.h, "step size, s; must divide the interval between two samples");
-  verb.add_option("--rtol", typed.rtol, "relative tolerance of solvers that choose their steps");
-  verb.add_option("--atol", typed.atol, "absolute tolerance; default: equal to --rtol");
-  verb.add_option("--samples", typed.samples, "N: rows at 0, T/N, ..., T");
-  verb.add_option("--times", typed.times, "t1,t2,...: exactly these rows, s");
-  verb.add_option("-o,--output", typed.output, "folder or file for results; - is standard output");
-  verb.add_option("--jobs", typed.jobs, "parallel error runs (timing is never parallel); default: all cores");
-  verb.add_option("--timeout", typed.timeout, "limit of one run, s; default 60");
-  verb.add_option("--digits", typed.digits, "digits of simulate --solver reference, up to 30");
-  verb.add_flag("--quick", typed.quick, "a smaller study: coarser ladders, fewer repeats");
-  verb.add_flag("--json", typed.json, "machine-readable output of list and show");
-  verb.add_flag("--force", typed.force, "replace a folder that polhode did not make");
-  verb.add_flag("-q,--quiet", typed.quiet, "no progress, no summary");
-  verb.add_flag("-v,--verbose", typed.verbose, "more words");
+/// Every verb knows every option, so that one that it cannot follow is refused with a reason; its help shows
+/// those that it follows.
+void add_options(CLI::App& verb, const Verb& v, Typed& typed) {
+  verb.add_option("WHAT", typed.operands, v.operands)->type_name("");
+  for (const OptionInfo& info : all_options()) {
+    const std::string names(info.names), help(info.help);
+    CLI::Option* option = nullptr;
+    if (info.long_name() == "--solver" || info.long_name() == "--scene")
+      option =
+          verb.add_option(names, info.long_name() == "--solver" ? typed.solvers : typed.more_scenes, help)
+              ->allow_extra_args(false);
+    else if (info.takes.empty())
+      option = verb.add_flag(names, typed.flag[info.long_name()], help);
+    else
+      option = verb.add_option(names, typed.text[info.long_name()], help);
+    if (!info.takes.empty()) option->type_name(std::string(info.takes));
+    if (!info.followed_by(v.id)) option->group("");
+  }
 }
 
 int run(int argc, char** argv) {
@@ -137,7 +172,7 @@ int run(int argc, char** argv) {
   Typed typed;
   std::vector<std::string> verbs;
   for (const Verb& v : all_verbs()) {
-    add_options(*app.add_subcommand(v.id, v.summary), typed);
+    add_options(*app.add_subcommand(v.id, v.summary), v, typed);
     verbs.emplace_back(v.id);
   }
   if (argc > 1 && argv[1][0] != '-' && std::find(verbs.begin(), verbs.end(), argv[1]) == verbs.end()) {
@@ -157,7 +192,6 @@ int run(int argc, char** argv) {
   Options options = options_of(typed, verb);
   options.command_line = "polhode";
   for (int i = 1; i < argc; ++i) options.command_line += std::string(" ") + argv[i];
-  if (options.dial && verb.get_name() != "stability") throw UsageError("--dial: only stability turns dials");
   for (const Verb& v : all_verbs())
     if (verb.get_name() == v.id) return v.run(options);
   return 70;

@@ -25,15 +25,6 @@ std::string cpu_model() {
   return "unknown";
 }
 
-/// Does the compiler fuse a multiplication with an addition here? It must not: 1 + 2^-27 squared minus its
-/// rounded square is zero unless the product is kept exact inside a fused operation.
-bool contraction_is_on() {
-  volatile double a = 1 + 0x1p-27;
-  const double x = a, square = x * x;
-  volatile double kept = square;
-  return x * x - kept != 0;
-}
-
 std::string utc_now() {
   const std::time_t now = std::time(nullptr);
   std::tm utc{};
@@ -57,7 +48,36 @@ const char* type_name(ColumnType type) {
   return "";
 }
 
+/// Solvers that wrap a library name it in their rows (engines are told of apart); the rest is what the models
+/// are built with.
+std::set<std::string> libraries_used() {
+  std::set<std::string> libraries{
+      "Boost " + std::to_string(BOOST_VERSION / 100000) + "." + std::to_string(BOOST_VERSION / 100 % 1000),
+      "Eigen " + std::to_string(EIGEN_WORLD_VERSION) + "." + std::to_string(EIGEN_MAJOR_VERSION) + "." +
+          std::to_string(EIGEN_MINOR_VERSION)};
+  for (const Method* m : all_methods())
+    if (!m->version.empty() && m->family != "engine") libraries.emplace(m->version);
+  return libraries;
+}
+
 }  // namespace
+
+bool contraction_is_on() {
+  // 1 + 2^-27 squared minus its rounded square is zero unless the product is kept exact inside a fused
+  // operation.
+  volatile double a = 1 + 0x1p-27;
+  const double x = a, square = x * x;
+  volatile double kept = square;
+  return x * x - kept != 0;
+}
+
+std::vector<std::pair<std::string, std::string>> build_facts() {
+  std::string libraries;
+  for (const std::string& l : libraries_used()) libraries += (libraries.empty() ? "" : ", ") + l;
+  return {{"version", polhode_version},   {"commit", *POLHODE_COMMIT ? POLHODE_COMMIT : "unknown"},
+          {"compiler", POLHODE_COMPILER}, {"flags", POLHODE_FLAGS},
+          {"libraries", libraries},       {"CPU", cpu_model()}};
+}
 
 std::string run_json(const std::string& command_line, std::span<const TruthCost> truths,
                      const std::string& fingerprint, bool interrupted) {
@@ -72,14 +92,7 @@ std::string run_json(const std::string& command_line, std::span<const TruthCost>
   j["compiler"] = POLHODE_COMPILER;
   j["flags"] = POLHODE_FLAGS;
   j["contraction"] = contraction_is_on() ? "on" : "off";
-  // Solvers that wrap a library name it in their rows; the rest is what the models are built with.
-  std::set<std::string> libraries{std::string("Boost ") + BOOST_LIB_VERSION,
-                                  "Eigen " + std::to_string(EIGEN_WORLD_VERSION) + "." +
-                                      std::to_string(EIGEN_MAJOR_VERSION) + "." +
-                                      std::to_string(EIGEN_MINOR_VERSION)};
-  for (const Method* m : all_methods())
-    if (!m->version.empty()) libraries.emplace(m->version);
-  j["libraries"] = libraries;
+  j["libraries"] = libraries_used();
   nlohmann::ordered_json engines = nlohmann::ordered_json::array();
   for (const EngineStatus& e : all_engines()) {
     nlohmann::ordered_json entry = {{"id", e.id}, {"what", e.summary}, {"available", e.available}};
@@ -108,13 +121,16 @@ std::string datapackage_json(std::span<const Table> tables) {
     nlohmann::ordered_json fields = nlohmann::ordered_json::array();
     for (const Column& c : t.columns)
       fields.push_back({{"name", c.name}, {"type", type_name(c.type)}, {"description", c.meaning}});
+    nlohmann::ordered_json schema = {{"fields", fields}, {"missingValues", {""}}};
+    if (t.keys > 0) {
+      schema["primaryKey"] = nlohmann::ordered_json::array();
+      for (std::size_t i = 0; i < t.keys; ++i) schema["primaryKey"].push_back(t.columns[i].name);
+    }
     std::string name(t.file.substr(0, t.file.find('.')));
     for (char& ch : name)
       if (ch == '_') ch = '-';
-    j["resources"].push_back({{"name", name},
-                              {"path", t.file},
-                              {"profile", "tabular-data-resource"},
-                              {"schema", {{"fields", fields}, {"missingValues", {""}}}}});
+    j["resources"].push_back(
+        {{"name", name}, {"path", t.file}, {"profile", "tabular-data-resource"}, {"schema", schema}});
   }
   return j.dump(2) + "\n";
 }

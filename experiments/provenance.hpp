@@ -3,6 +3,8 @@
 #pragma once
 #include <span>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "experiments/table.hpp"
 
@@ -15,6 +17,12 @@ struct TruthCost {
   std::string scene, kind;
   double seconds;
 };
+
+/// Does the compiler fuse a multiplication with an addition here? It must not.
+bool contraction_is_on();
+
+/// Version, commit, compiler, flags, libraries and CPU, each with its name.
+std::vector<std::pair<std::string, std::string>> build_facts();
 
 /// run.json: command, version and commit, compiler, flags, contraction, library versions, engine precision,
 /// CPU, cores, date, seed (none is used: every result is deterministic). `fingerprint`:

@@ -3,12 +3,14 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <exception>
 #include <mutex>
 #include <thread>
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "experiments/interrupt.hpp"
@@ -33,13 +35,15 @@ void for_each_run(const Options& options, std::size_t n, const std::function<voi
   const unsigned cores = std::max(1U, std::thread::hardware_concurrency());
   const std::size_t workers =
       std::min<std::size_t>(n, options.jobs > 0 ? static_cast<unsigned>(options.jobs) : cores);
-  std::atomic<std::size_t> next{0};
+  std::atomic<std::size_t> next{0}, done{0};
+  count_progress(0, n);
   std::exception_ptr failure;
   std::mutex guard;
   const auto work = [&] {
     for (std::size_t i = next++; i < n && !interrupted(); i = next++) {
       try {
         f(i);
+        count_progress(++done, n);
       } catch (...) {
         const std::lock_guard lock(guard);
         failure = std::current_exception();
@@ -52,6 +56,7 @@ void for_each_run(const Options& options, std::size_t n, const std::function<voi
     for (std::size_t k = 1; k < workers; ++k) threads.emplace_back(work);
     work();
   }
+  count_progress(n, n);
   if (failure) std::rethrow_exception(failure);
 }
 
@@ -102,10 +107,43 @@ void tell_failure(const Options& options, const Scene& scene, const Method& meth
                std::string(name_of(run.outcome)).c_str(), run.reason.c_str());
 }
 
+namespace {
+
+/// How far the stage is that the progress line tells of.
+struct Pace {
+  std::mutex guard;
+  std::size_t done = 0, total = 0;
+  std::chrono::steady_clock::time_point began;
+} pace;
+
+/// " (12 of 140, 8 s left)"
+std::string pace_text() {
+  const std::lock_guard lock(pace.guard);
+  if (pace.total == 0) return "";
+  std::string text = fmt::format(" ({} of {}", pace.done, pace.total);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - pace.began).count();
+  // The pace of the first second says little.
+  if (pace.done > 0 && seconds > 1) {
+    const double left =
+        seconds * static_cast<double>(pace.total - pace.done) / static_cast<double>(pace.done);
+    text += left < 90 ? fmt::format(", {:.0f} s left", left) : fmt::format(", {:.0f} min left", left / 60);
+  }
+  return text + ')';
+}
+
+}  // namespace
+
+void count_progress(std::size_t done, std::size_t total) {
+  const std::lock_guard lock(pace.guard);
+  if (done == 0) pace.began = std::chrono::steady_clock::now();
+  pace.done = done;
+  pace.total = done < total ? total : 0;  // the last one ends the stage
+}
+
 void progress(const Options& options, const std::string& what) {
   static const bool terminal = isatty(STDERR_FILENO) == 1;
   if (!terminal || options.quiet) return;
-  std::fprintf(stderr, "\r\033[K%s", what.c_str());
+  std::fprintf(stderr, "\r\033[K%s", what.empty() ? "" : (what + pace_text()).c_str());
   std::fflush(stderr);
 }
 

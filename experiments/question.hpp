@@ -46,6 +46,10 @@ void refuse_options(const Options& options, const std::string& why, bool steps, 
 /// With --verbose, why a run failed, on standard error.
 void tell_failure(const Options& options, const Scene& scene, const Method& method, const Trajectory& run);
 
+/// So many of the parts of what is being done are done; the line of progress tells it, and how long the rest
+/// will take at that pace. for_each_run counts by itself.
+void count_progress(std::size_t done, std::size_t total);
+
 /// A line of progress on a terminal, nothing elsewhere.
 void progress(const Options& options, const std::string& what);
 

@@ -2,6 +2,7 @@
 #include "reports/report.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "experiments/question.hpp"
 #include "experiments/result_folder.hpp"
@@ -21,6 +22,12 @@ int report_verb(const Options& options) {
     throw OutputError(e.what());
   }
   for (const std::string& note : done.notes) fmt::print(stderr, "polhode: note: {}\n", note);
+  if (options.json) {
+    const nlohmann::ordered_json j = {
+        {"figures", done.figures}, {"page", (folder / "index.html").string()}, {"notes", done.notes}};
+    write_stdout(j.dump(2) + "\n");
+    return 0;
+  }
   write_stdout(fmt::format("{} figures, {}\n", done.figures, (folder / "index.html").string()));
   return 0;
 }

@@ -60,27 +60,28 @@ std::vector<S> row_of(const Scene& scene, const SampleT& s) {
   return row;
 }
 
-std::string header(const Scene& scene) {
-  std::string line;
+std::vector<Column> columns_of(const Scene& scene) {
+  std::vector<Column> of_scene;
   for (std::size_t i = 0; i < std::size(columns); ++i) {
     const bool translation = i >= 1 && i <= 6, attitude = i >= 7 && i <= 10,
                rotation = (i >= 11 && i <= 13) || i >= 15;
     if ((translation && !scene.translation) || (rotation && !scene.rotation) ||
         (attitude && !(scene.rotation && scene.rotation->attitude)))
       continue;
-    line += (line.empty() ? "" : ",") + std::string(columns[i].name);
+    of_scene.push_back(columns[i]);
   }
-  return line + '\n';
+  return of_scene;
 }
 
-void put(const Options& options, const std::string& text) {
+void put(const Options& options, const Table& table) {
+  const std::string text = options.json ? json(table) : csv(table);
   if (!options.output || *options.output == "-")
     write_stdout(text);
   else
     write_file(*options.output, text);
 }
 
-std::string wide_trajectory(const Scene& scene, const AskedTimes& asked, const Options& options) {
+void add_wide_rows(Table& table, const Scene& scene, const AskedTimes& asked, const Options& options) {
   std::vector<double> times = asked.times;
   if (asked.from_start) times.insert(times.begin(), 0.0);
   const Truth truth = reference_solution(scene, times);
@@ -89,16 +90,14 @@ std::string wide_trajectory(const Scene& scene, const AskedTimes& asked, const O
     fmt::print(stderr,
                "polhode: note: {} digits asked for, but the truth of '{}' is only certain to {:.1e}\n",
                options.digits, scene.id, worst);
-  std::string text = header(scene);
   for (std::size_t i = 0; i < truth.samples.size(); ++i) {
-    const std::vector<Wide> row = row_of<Wide>(scene, truth.samples[i]);
-    text += shortest(times[i]);
-    for (std::size_t k = 1; k < row.size(); ++k)
-      text += ',' + (options.digits <= 17 ? shortest(row[k].convert_to<double>())
-                                          : row[k].str(options.digits, std::ios_base::scientific));
-    text += '\n';
+    std::vector<Cell> row{times[i]};
+    const std::vector<Wide> numbers = row_of<Wide>(scene, truth.samples[i]);
+    for (std::size_t k = 1; k < numbers.size(); ++k)
+      row.push_back(options.digits <= 17 ? Cell(numbers[k].convert_to<double>())
+                                         : Cell(numbers[k].str(options.digits, std::ios_base::scientific)));
+    table.add(std::move(row));
   }
-  return text;
 }
 
 }  // namespace
@@ -110,8 +109,11 @@ int simulate_verb(const Options& options) {
   const Scene scene = asked_scene(options, options.scenes.front());
   const Method& method = find_method(options.solvers.empty() ? "reference" : options.solvers.front());
   const AskedTimes asked = asked_times(scene, options);
+  const std::vector<Column> of_scene = columns_of(scene);
+  Table table{"trajectory.csv", of_scene, {}, 1};
   if (method.family == "truth") {
-    put(options, wide_trajectory(scene, asked, options));
+    add_wide_rows(table, scene, asked, options);
+    put(options, table);
     return 0;
   }
   if (options.digits > 17)
@@ -141,13 +143,11 @@ int simulate_verb(const Options& options) {
   if (run.outcome == Outcome::unsupported)
     throw UsageError(
         fmt::format("solver '{}' does not serve scene '{}': {}", method.id, scene.id, run.reason));
-  std::string text = header(scene);
   for (const Sample& s : run.samples) {
     const std::vector<double> row = row_of<double>(scene, s);
-    for (std::size_t k = 0; k < row.size(); ++k) text += (k ? "," : "") + shortest(row[k]);
-    text += '\n';
+    table.add({row.begin(), row.end()});
   }
-  put(options, text);
+  put(options, table);
   if (run.outcome != Outcome::ok) {
     fmt::print(stderr, "polhode: '{}' ended with {}: {}\n", method.id, name_of(run.outcome), run.reason);
     return 1;

@@ -18,7 +18,14 @@ double median(std::vector<double> values) {
 }
 
 std::vector<Timing> time_interleaved(std::span<const std::function<void()>> candidates,
-                                     const TimingPlan& plan) {
+                                     const TimingPlan& plan,
+                                     const std::function<void(std::size_t, std::size_t)>& told) {
+  // A word every sixteen measurements: seldom enough to be no disturbance.
+  const std::size_t all_of_them = candidates.size() * static_cast<std::size_t>(plan.repeats + 1);
+  std::size_t done = 0;
+  const auto tell = [&] {
+    if (told && done++ % 16 == 0) told(done - 1, all_of_them);
+  };
   struct Measured {
     int batch = 1;
     double spent = 0;
@@ -26,6 +33,7 @@ std::vector<Timing> time_interleaved(std::span<const std::function<void()>> cand
   };
   std::vector<Measured> all(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {  // warm up, and find the batch size
+    tell();
     candidates[i]();
     const double began = thread_seconds();
     candidates[i]();
@@ -35,6 +43,7 @@ std::vector<Timing> time_interleaved(std::span<const std::function<void()>> cand
   for (int round = 0; round < plan.repeats && !interrupted(); ++round)
     for (std::size_t i = 0; i < candidates.size(); ++i) {
       Measured& m = all[i];
+      tell();
       if (round >= 3 && m.spent > plan.budget) continue;
       const double began = thread_seconds();
       for (int k = 0; k < m.batch; ++k) candidates[i]();

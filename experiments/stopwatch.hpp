@@ -19,8 +19,11 @@ struct TimingPlan {
 };
 
 /// Times the candidates interleaved in rounds, so that a disturbance of the machine falls on all of them.
+///
+/// told  is called now and then with how many measurements are done, of how many
 std::vector<Timing> time_interleaved(std::span<const std::function<void()>> candidates,
-                                     const TimingPlan& plan);
+                                     const TimingPlan& plan,
+                                     const std::function<void(std::size_t, std::size_t)>& told = {});
 
 /// Median of values; NaN if there are none. Sorts its copy.
 double median(std::vector<double> values);

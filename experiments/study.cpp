@@ -8,6 +8,7 @@
 
 #include "experiments/grid.hpp"
 #include "experiments/interrupt.hpp"
+#include "experiments/plot.hpp"
 #include "experiments/provenance.hpp"
 #include "experiments/question.hpp"
 #include "experiments/result_folder.hpp"
@@ -18,7 +19,7 @@
 
 namespace polhode {
 
-#define VERB(function, verb, summary) int function##_verb(const Options& options);
+#define VERB(function, verb, operands, summary) int function##_verb(const Options& options);
 #include "experiments/verbs.def"
 #undef VERB
 
@@ -74,7 +75,7 @@ Cell claim_cell(Claim c) { return text(c == Claim::yes ? "yes" : c == Claim::no 
 
 /// All solvers, not the chosen ones: their order decides the colours of every figure.
 Table solver_table() {
-  Table t{"solvers.csv", solver_columns, {}};
+  Table t{"solvers.csv", solver_columns, {}, 1};
   for (const Method* m : all_methods()) {
     const Claims& c = m->claims;
     t.add({text(m->id), text(m->family), order_cell(c.attitude_order), text(m->source), text(m->version),
@@ -89,7 +90,7 @@ Table solver_table() {
 Cell moment(const Scene& s, int i) { return s.rotation ? Cell(s.rotation->moments[i]) : Cell(); }
 
 Table scene_table(const Plan& plan) {
-  Table t{"scenes.csv", scene_columns, {}};
+  Table t{"scenes.csv", scene_columns, {}, 1};
   for (const Scene& s : plan.scenes) {
     std::string left_out;
     for (const std::string& part : s.left_out) left_out += (left_out.empty() ? "" : "; ") + part;
@@ -153,9 +154,11 @@ Plan plan_of(const Options& options, const std::vector<Question>& questions) {
 int answer(const Options& options, const std::vector<Question>& questions) {
   Plan plan = plan_of(options, questions);
   const std::string place = options.output.value_or("polhode-results");
-  const bool to_folder = place != "-" && !place.ends_with(".csv");
+  const bool to_folder =
+      place != "-" && !place.ends_with(".csv") && !(options.json && place.ends_with(".json"));
   if (!to_folder && questions.size() > 1)
     throw UsageError("-o " + place + ": a study has many tables and needs a folder");
+  if (!to_folder && options.plot) throw UsageError("--plot: -o " + place + " takes the table alone");
   // Asked before the work: a place that cannot be written should not cost a minute first.
   std::optional<ResultFolder> folder;
   if (to_folder) folder.emplace(place, options.force);
@@ -173,7 +176,7 @@ int answer(const Options& options, const std::vector<Question>& questions) {
         ": none of these scenes and solvers can answer it (stability needs a scene with a [stiff] table "
         "and a solver of fixed step, convergence a solver of fixed step, engines a body that turns freely)");
   if (!to_folder) {
-    const std::string text = csv(tables.front());
+    const std::string text = options.json ? json(tables.front()) : csv(tables.front());
     if (place == "-")
       write_stdout(text);
     else
@@ -188,10 +191,16 @@ int answer(const Options& options, const std::vector<Question>& questions) {
   progress(options, "drawing");
   const ReportOutcome report = write_report(folder->draft());
   progress(options, "");
-  const std::string summary = result_summary(folder->draft(), place);
+  const std::string summary =
+      options.json ? json(questions.size() == 1 ? tables.front() : summary_table(folder->draft()))
+                   : result_summary(folder->draft(), place);
+  const bool one_plot = questions.size() == 1 && stdout_is_terminal();
+  const std::string plot = !options.json && (options.plot || one_plot)
+                               ? work_precision_plot(folder->draft(), stdout_is_coloured())
+                               : "";
   folder->commit();
   for (const std::string& note : report.notes) fmt::print(stderr, "polhode: note: {}\n", note);
-  if (!options.quiet) write_stdout(summary);
+  if (options.json || !options.quiet) write_stdout(summary + (plot.empty() ? "" : "\n" + plot));
   return interrupted() ? 130 : 0;
 }
 
@@ -205,12 +214,12 @@ int study_verb(const Options& options) {
 const std::vector<Verb>& all_verbs() {
   static const std::vector<Verb> verbs = [] {
     std::vector<Verb> v;
-#define VERB(function, verb, summary) v.push_back({verb, summary, function##_verb});
+#define VERB(function, verb, operands, summary) v.push_back({verb, operands, summary, function##_verb});
 #include "experiments/verbs.def"
 #undef VERB
     std::vector<Verb> questions;
 #define QUESTION(function, verb, summary)                                                                \
-  questions.push_back({verb, summary, [](const Options& o) {                                             \
+  questions.push_back({verb, "[SCENE...]", summary, [](const Options& o) {                               \
                          return answer(o, {*std::find_if(all_questions().begin(), all_questions().end(), \
                                                          [](const Question& q) {                         \
                                                            return std::string_view(q.id) == verb;        \

@@ -1,44 +1,50 @@
 // The verdict table on the terminal.
 #include "experiments/summary.hpp"
 
-#include <algorithm>
 #include <vector>
 
 #include <fmt/format.h>
 
+#include "experiments/columns.hpp"
 #include "reports/findings.hpp"
 #include "reports/results.hpp"
 
 namespace polhode {
 namespace {
 
-std::string duration_text(double s) {
-  if (s < 1e-6) return fmt::format("{:.3g} ns", s * 1e9);
-  if (s < 1e-3) return fmt::format("{:.3g} us", s * 1e6);
-  if (s < 1) return fmt::format("{:.3g} ms", s * 1e3);
-  return fmt::format("{:.3g} s", s);
-}
-
-/// Each column as wide as its widest cell.
-std::string in_columns(const std::vector<std::vector<std::string>>& lines) {
-  std::vector<std::size_t> widths(lines.front().size(), 0);
-  for (const auto& line : lines)
-    for (std::size_t i = 0; i < line.size(); ++i) widths[i] = std::max(widths[i], line[i].size());
-  std::string out;
-  for (const auto& line : lines) {
-    for (std::size_t i = 0; i < line.size(); ++i)
-      out += i + 1 < line.size() ? fmt::format("{:<{}}  ", line[i], widths[i]) : line[i];
-    out += '\n';
-  }
-  return out;
-}
+constexpr double levels[] = {1e-4, 1e-8, 1e-12};
+constexpr Column columns[] = {
+    {"scene", ColumnType::text, "scene id"},
+    {"quantity", ColumnType::text, "which error, a column of work_precision.csv"},
+    {"error", ColumnType::number, "to be reached"},
+    {"below_floor", ColumnType::boolean, "1: rounding decides there, nobody is ranked"},
+    {"solver", ColumnType::text, "who reaches it in the least time; empty: nobody"},
+    {"time_s", ColumnType::number, "CPU time of one run, s"},
+};
 
 }  // namespace
+
+Table summary_table(const std::filesystem::path& folder) {
+  const report::Results results = report::read_results(folder);
+  Table table{"summary.csv", columns, {}, 3};
+  for (const auto& scene : results.scenes) {
+    if (report::Results::rows_of(results.work_precision, scene.id).empty()) continue;
+    const auto quantity = results.quantity_of(results.work_precision, scene.id);
+    for (const double level : levels) {
+      const bool below = report::below_floor(scene, quantity, level);
+      const auto ranked =
+          below ? std::vector<report::Cost>() : report::ranking(results, scene, "time_min_s", level);
+      table.add({scene.id, quantity.column, level, std::int64_t{below},
+                 ranked.empty() ? Cell() : Cell(ranked.front().solver),
+                 ranked.empty() ? Cell() : Cell(ranked.front().cost)});
+    }
+  }
+  return table;
+}
 
 std::string result_summary(const std::filesystem::path& folder, const std::string& place) {
   const report::Results results = report::read_results(folder);
   std::string out;
-  constexpr double levels[] = {1e-4, 1e-8, 1e-12};
   if (results.work_precision.rows() > 0) {
     std::vector<std::vector<std::string>> lines{{"scene"}};
     for (const double level : levels) lines[0].push_back(fmt::format("{:.0e}", level));

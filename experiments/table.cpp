@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 namespace polhode {
 namespace {
@@ -24,6 +25,16 @@ struct CellText {
   std::string operator()(const std::string& s) const { return quoted(s); }
   std::string operator()(std::int64_t i) const { return fmt::format("{}", i); }
   std::string operator()(double x) const { return std::isfinite(x) ? shortest(x) : std::string(); }
+};
+
+using Json = nlohmann::ordered_json;
+
+struct CellValue {
+  bool boolean;
+  Json operator()(std::monostate) const { return nullptr; }
+  Json operator()(const std::string& s) const { return s; }
+  Json operator()(std::int64_t i) const { return boolean ? Json(i != 0) : Json(i); }
+  Json operator()(double x) const { return std::isfinite(x) ? Json(x) : Json(nullptr); }
 };
 
 }  // namespace
@@ -50,6 +61,18 @@ std::string csv(const Table& table) {
     text += '\n';
   }
   return text;
+}
+
+std::string json(const Table& table) {
+  Json rows = Json::array();
+  for (const auto& row : table.rows) {
+    Json object = Json::object();
+    for (std::size_t i = 0; i < row.size(); ++i)
+      object[std::string(table.columns[i].name)] =
+          std::visit(CellValue{table.columns[i].type == ColumnType::boolean}, row[i]);
+    rows.push_back(std::move(object));
+  }
+  return rows.dump(2) + "\n";
 }
 
 }  // namespace polhode

@@ -26,12 +26,16 @@ struct Table {
   std::string_view file;            // "convergence.csv"
   std::span<const Column> columns;  // the schema lives as long as the program
   std::vector<std::vector<Cell>> rows;
+  std::size_t keys = 0;  // so many leading columns name a row; the others are what was found. 0: not said
 
   void add(std::vector<Cell> row);  // as many cells as columns
 };
 
 /// The table as CSV text.
 std::string csv(const Table& table);
+
+/// The table as JSON text: an array of objects, one a row; an empty cell is null.
+std::string json(const Table& table);
 
 /// Text of one number: shortest that round-trips.
 std::string shortest(double x);

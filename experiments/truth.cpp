@@ -88,6 +88,36 @@ double energy_scale(const SceneTruth& truth, bool rotational) {
   return scale > 0 ? scale : 1;
 }
 
+SampleErrors errors_at(const Scene& scene, const SceneTruth& truth, const Sample& s,
+                       const WideSample& exact) {
+  SampleErrors e{none, none, none, none, none, none, none, none};
+  const auto gap = [](const Vec3& a, const Vec3T<Wide>& b) {
+    return Vec3T<Wide>(a.template cast<Wide>() - b).norm().template convert_to<double>();
+  };
+  const auto relative = [&](double value, const Wide& of_truth, bool rotational) {
+    return Wide(Wide(value) - of_truth).convert_to<double>() / energy_scale(truth, rotational);
+  };
+  e.total_energy = relative(s.total_energy, exact.total_energy, false);
+  if (scene.translation) e.position = gap(s.p, exact.p);
+  if (!scene.rotation) return e;
+  if (scene.rotation->attitude) {
+    e.attitude = attitude_error<Wide>(exact.q, s.q.cast<Wide>()).convert_to<double>();
+    e.unit_defect = s.unit_defect;
+  }
+  const double n = exact.w_B.norm().convert_to<double>(), g = gap(s.w_B, exact.w_B);
+  e.rate = n > 0 ? g / n : g;
+  e.rotational_energy = relative(s.rotational_energy, exact.rotational_energy, true);
+  const Vec3 L(exact.L.x().convert_to<double>(), exact.L.y().convert_to<double>(),
+               exact.L.z().convert_to<double>());
+  double L0 = truth.truth.samples.front().L.norm().convert_to<double>();
+  if (!(L0 > 0))
+    for (const auto& x : truth.truth.samples) L0 = std::max(L0, x.L.norm().convert_to<double>());
+  const double missed = gap(s.L, exact.L);
+  e.momentum = L0 > 0 ? missed / L0 : missed;
+  e.momentum_direction = std::atan2(s.L.cross(L).norm(), s.L.dot(L));
+  return e;
+}
+
 Errors errors_of(const Scene& scene, const SceneTruth& truth, std::span<const Sample> samples,
                  std::size_t first, double epsilon) {
   const bool rotates = scene.rotation.has_value(), moves = scene.translation.has_value();
@@ -95,37 +125,24 @@ Errors errors_of(const Scene& scene, const SceneTruth& truth, std::span<const Sa
   const bool rotational = rotates && moves;  // free fall must not hide the rotation
   Errors e{attitude ? 0 : none, attitude ? 0 : none, rotates ? 0 : none, 0,
            rotates ? 0 : none,  moves ? 0 : none,    attitude ? 0 : none};
-  const double scale = energy_scale(truth, rotational);
-  double L0 = truth.truth.samples.front().L.norm().convert_to<double>();
-  if (!(L0 > 0))
-    for (const auto& s : truth.truth.samples) L0 = std::max(L0, s.L.norm().convert_to<double>());
   double position_scale = 0;
   for (std::size_t i = 0; i < samples.size(); ++i) {
-    const Sample& s = samples[i];
-    const WideSample& x = truth.truth.samples[first + i];
-    const auto gap = [](const Vec3& a, const Vec3T<Wide>& b) {
-      return Vec3T<Wide>(a.template cast<Wide>() - b).norm().template convert_to<double>();
-    };
+    const WideSample& exact = truth.truth.samples[first + i];
+    const SampleErrors s = errors_at(scene, truth, samples[i], exact);
     if (attitude) {
-      e.attitude_end = attitude_error<Wide>(x.q, s.q.cast<Wide>()).convert_to<double>();
-      e.attitude_max = std::max(e.attitude_max, e.attitude_end);
+      e.attitude_end = s.attitude;
+      e.attitude_max = std::max(e.attitude_max, s.attitude);
       e.unit_defect_max = std::max(e.unit_defect_max, s.unit_defect);
     }
     if (rotates) {
-      const double n = x.w_B.norm().convert_to<double>();
-      const double g = gap(s.w_B, x.w_B);
-      e.rate_max = std::max(e.rate_max, n > 0 ? g / n : g);
-      const double L = gap(s.L, x.L);
-      e.momentum_max = std::max(e.momentum_max, L0 > 0 ? L / L0 : L);
+      e.rate_max = std::max(e.rate_max, s.rate);
+      e.momentum_max = std::max(e.momentum_max, s.momentum);
     }
     if (moves) {
-      e.position_max = std::max(e.position_max, gap(s.p, x.p));
-      position_scale = std::max(position_scale, x.p.norm().convert_to<double>());
+      e.position_max = std::max(e.position_max, s.position);
+      position_scale = std::max(position_scale, exact.p.norm().convert_to<double>());
     }
-    const Wide energy = rotational ? x.rotational_energy : x.total_energy;
-    const double g =
-        abs(Wide(Wide(rotational ? s.rotational_energy : s.total_energy) - energy)).convert_to<double>();
-    e.energy_max = std::max(e.energy_max, g / scale);
+    e.energy_max = std::max(e.energy_max, std::abs(rotational ? s.rotational_energy : s.total_energy));
   }
   const double coarser = epsilon / double_epsilon;
   const auto resolved = [coarser](double error, double floor, double uncertainty) {

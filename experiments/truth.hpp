@@ -28,6 +28,15 @@ struct SceneTruth {
 /// from several threads.
 std::shared_ptr<const SceneTruth> truth_of(const Scene& scene, std::span<const double> times);
 
+/// What one sample misses of the truth at its time. NaN where a scene has no such quantity.
+struct SampleErrors {
+  double attitude, rate, position;         // rad, relative, m
+  double rotational_energy, total_energy;  // (E - exact)/scale, signed
+  double momentum, momentum_direction;     // |L - L_exact|/|L(0)|, rad
+  double unit_defect;
+};
+SampleErrors errors_at(const Scene& scene, const SceneTruth& truth, const Sample& s, const WideSample& exact);
+
 /// Errors of one run against the truth. NaN where a scene has no such quantity.
 struct Errors {
   double attitude_max, attitude_end;  // rad

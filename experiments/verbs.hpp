@@ -8,7 +8,7 @@
 namespace polhode {
 
 struct Verb {
-  const char *id, *summary;
+  const char *id, *operands, *summary;  // operands: what it works on, as in a usage line
   int (*run)(const Options&);
 };
 

@@ -7,8 +7,7 @@
 
 #include "experiments/grid.hpp"
 #include "experiments/interrupt.hpp"
-#include "experiments/question.hpp"
-#include "experiments/stopwatch.hpp"
+#include "experiments/measured_run.hpp"
 #include "models/errors.hpp"
 
 namespace polhode {
@@ -39,19 +38,10 @@ constexpr Column columns[] = {
     {"position_error_max_m", ColumnType::number, "largest position error, m"},
 };
 
-struct Candidate {
-  const Method* method;
-  Knob knob;
-  double value;
-  Trajectory run;
-  Errors errors{};
-  Timing timing;
-};
-
 }  // namespace
 
 std::vector<Table> work_precision(const Plan& plan) {
-  Table table{"work_precision.csv", columns, {}};
+  Table table{"work_precision.csv", columns, {}, 4};
   refuse_options(plan.options, "work-precision samples at 16 times of its own", false, false, true);
   if (plan.options.h) throw UsageError("--h: work-precision counts in steps; needs --steps");
   const bool quick = plan.options.quick;
@@ -61,12 +51,12 @@ std::vector<Table> work_precision(const Plan& plan) {
     const auto times = uniform_times(scene.duration, 16);
     progress(plan.options, "work-precision: " + scene.id + ", truth");
     const auto truth = truth_of(scene, times);
-    std::vector<Candidate> all;
+    std::vector<MeasuredRun> all;
     for (const Method* m : plan.methods) {
       if (m->family == "truth") continue;  // it is what the others are measured against
       // One value where the options give one, else the whole ladder.
       const Knob knob = plan.options.chooses_steps() && m->by_steps ? Knob::steps : m->default_knob();
-      const auto add = [&](double value) { all.push_back({m, knob, value, {}, {}, {}}); };
+      const auto add = [&](double value) { all.push_back({m, knob, value}); };
       if (knob == Knob::none)
         add(0);
       else if (knob == Knob::steps && plan.options.steps)
@@ -78,42 +68,29 @@ std::vector<Table> work_precision(const Plan& plan) {
       else
         for (int k = 2; k <= 13; k += quick ? 2 : 1) add(std::pow(10.0, -k));
     }
-    const auto setting = [&](const Candidate& c) {
-      Setting s = setting_of(plan.options, c.knob);
-      if (c.knob == Knob::tolerance) {
-        s.rtol = c.value;
-        s.atol = plan.options.atol.value_or(0);
-      }
-      return s;
-    };
-    const auto grid = [&](const Candidate& c, std::span<const double> at) {
-      return c.knob == Knob::steps ? grid_of_steps(at, static_cast<std::int64_t>(c.value))
-                                   : grid_of_times(at);
-    };
     for_each_run(plan.options, all.size(), [&](std::size_t i) {
-      Candidate& c = all[i];
+      MeasuredRun& c = all[i];
       progress(plan.options, "work-precision: " + scene.id + ", " + std::string(c.method->id));
-      c.run = run_once(*c.method, scene, setting(c), grid(c, times));
-      if (c.run.outcome == Outcome::ok)
-        c.errors = errors_of(scene, *truth, c.run.samples, 1, c.method->epsilon);
+      find_errors(plan.options, scene, *truth, times, c);
     });
     if (interrupted()) break;
 
-    progress(plan.options, "work-precision: " + scene.id + ", clock");
     std::vector<std::function<void()>> timed;
-    std::vector<Candidate*> of;
-    for (Candidate& c : all) {
+    std::vector<MeasuredRun*> of;
+    for (MeasuredRun& c : all) {
       if (c.run.outcome != Outcome::ok) continue;
-      const double end[] = {scene.duration};
-      timed.emplace_back([run = c.method->prepare(scene, setting(c)).integrate, g = grid(c, end),
-                          out = Trajectory{}]() mutable { run(g, out); });
+      timed.push_back(timed_run(plan.options, scene, c));
       of.push_back(&c);
     }
-    const auto measured = time_interleaved(timed, timing);
+    const auto measured = time_interleaved(timed, timing, [&](std::size_t done, std::size_t total) {
+      count_progress(done, total);
+      progress(plan.options, "work-precision: " + scene.id + ", clock");
+    });
+    count_progress(0, 0);
     for (std::size_t i = 0; i < of.size(); ++i) of[i]->timing = measured[i];
 
     const Method* unsupported = nullptr;
-    for (const Candidate& c : all) {
+    for (const MeasuredRun& c : all) {
       const bool ok = c.run.outcome == Outcome::ok;
       if (c.run.outcome == Outcome::unsupported) {
         if (c.method == unsupported) continue;  // one row says it

@@ -11,7 +11,8 @@
 
 namespace polhode::report {
 
-CsvTable::CsvTable(std::vector<std::vector<std::string>> records) {
+CsvTable::CsvTable(std::vector<std::vector<std::string>> records, std::vector<std::size_t> lines)
+    : lines_(std::move(lines)) {
   if (records.empty()) return;
   header_ = std::move(records.front());
   for (std::size_t i = 0; i < header_.size(); ++i) index_.emplace(header_[i], i);
@@ -31,7 +32,11 @@ CsvTable CsvTable::selection(const std::vector<std::size_t>& rows) const {
   CsvTable out;
   out.header_ = header_;
   out.index_ = index_;
-  for (const std::size_t i : rows) out.rows_.push_back(rows_.at(i));
+  if (!lines_.empty()) out.lines_.push_back(lines_.front());
+  for (const std::size_t i : rows) {
+    out.rows_.push_back(rows_.at(i));
+    if (!lines_.empty()) out.lines_.push_back(lines_.at(i + 1));
+  }
   return out;
 }
 
@@ -76,15 +81,22 @@ CsvTable parse_csv(std::string_view text) {
   if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
   std::vector<std::vector<std::string>> records;
   std::vector<std::string> record;
+  std::vector<std::size_t> lines;
   std::string field;
   bool quoted = false;
+  std::size_t line = 1, began = 1;  // of the text, of the record
   const auto end_record = [&] {
     record.push_back(std::exchange(field, {}));
-    if (record.size() > 1 || !record.front().empty()) records.push_back(std::move(record));
+    if (record.size() > 1 || !record.front().empty()) {
+      records.push_back(std::move(record));
+      lines.push_back(began);
+    }
     record.clear();
+    began = line;
   };
   for (std::size_t i = 0; i < text.size(); ++i) {
     const char c = text[i];
+    if (c == '\n') ++line;
     if (quoted) {
       if (c != '"') {
         field += c;
@@ -105,7 +117,7 @@ CsvTable parse_csv(std::string_view text) {
     }
   }
   if (!field.empty() || !record.empty()) end_record();
-  return CsvTable(std::move(records));
+  return CsvTable(std::move(records), std::move(lines));
 }
 
 CsvTable read_csv(const std::filesystem::path& path) {

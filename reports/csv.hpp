@@ -16,7 +16,8 @@ namespace polhode::report {
 class CsvTable {
  public:
   CsvTable() = default;
-  explicit CsvTable(std::vector<std::vector<std::string>> records);
+  /// lines  where each record begins, counted from 1
+  CsvTable(std::vector<std::vector<std::string>> records, std::vector<std::size_t> lines);
 
   std::size_t rows() const { return rows_.size(); }
   bool empty() const { return rows_.empty(); }
@@ -27,6 +28,9 @@ class CsvTable {
   CsvTable selection(const std::vector<std::size_t>& rows) const;
   /// The table as RFC 4180 text with LF.
   std::string csv() const;
+  std::size_t fields(std::size_t row) const { return rows_[row].size(); }
+  /// The line of the text that a row begins in, counted from 1.
+  std::size_t line(std::size_t row) const { return lines_[row + 1]; }
 
   /// One field; empty where the column is absent or the row is too short.
   const std::string& text(std::size_t row, std::string_view column) const;
@@ -42,6 +46,7 @@ class CsvTable {
  private:
   std::vector<std::string> header_;
   std::vector<std::vector<std::string>> rows_;
+  std::vector<std::size_t> lines_;  // of the header, then of the rows
   std::unordered_map<std::string, std::size_t> index_;
 };
 

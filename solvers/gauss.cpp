@@ -135,18 +135,16 @@ struct Gauss : QuaternionForm {
   }
 
  private:
-  /// Of each part of the state (attitude, rates, position, velocity) its largest number, or what a step from
-  /// zero makes of it; one where nothing moves.
+  /// Of each part of the state (attitude, rates, position, velocity) its largest number, or what a step
+  /// adds to it if that is more; one where nothing moves.
   template <AnyModel M>
   static typename M::State scales_of(const typename M::State& y, const typename M::State& slope, double h) {
     typename M::State scale;
     const auto part = [&](int begin, int end) {
-      double largest = 0, step = 0;
-      for (int j = begin; j < end; ++j) {
-        largest = std::max(largest, std::abs(y[std::size_t(j)]));
-        step = std::max(step, std::abs(h * slope[std::size_t(j)]));
-      }
-      if (!(largest > 0)) largest = step > 0 ? step : 1;
+      double largest = 0;
+      for (int j = begin; j < end; ++j)
+        largest = std::max({largest, std::abs(y[std::size_t(j)]), std::abs(h * slope[std::size_t(j)])});
+      if (!(largest > 0)) largest = 1;
       for (int j = begin; j < end; ++j) scale[std::size_t(j)] = largest;
     };
     constexpr int rotation = M::rotation_size;

@@ -67,6 +67,7 @@ confined '<ode/' 'solvers/engines/ode\.cpp'
 confined '<dart/' 'solvers/engines/dart\.cpp'
 confined '<([Ss]imbody|SimTK)' 'solvers/engines/simbody\.cpp'
 confined '<CLI/' 'experiments/polhode\.cpp'
+confined '<benchmark/' 'experiments/bench\.cpp'
 confined '<toml\+\+/' 'models/scene[a-z0-9_]*\.(cpp|hpp)'
 
 headers_without_pragma() { printf '%s\0' "${sources[@]}" | grep -z '\.hpp$' | xargs -0 -r grep -L '^#pragma once$' || true; }
