@@ -24,10 +24,10 @@ class ExtendedFreeRotation {
         span_(words(motion_.span_)),
         half_jump_(words(motion_.half_jump_)) {}
 
-  State at(double t) const {
+  State at(double given_t) const {
     using Kind = Motion::Kind;
-    // Next to the least doubles a second word has no room.
-    if (!(std::abs(rate_.high) > 1e-280)) return rounded(motion_.at(t));
+    const auto unit_rate = static_cast<double>(motion_.unit_rate_);
+    const double t = given_t * unit_rate;
     switch (motion_.kind_) {
       case Kind::steady:
       case Kind::symmetric:
@@ -51,7 +51,7 @@ class ExtendedFreeRotation {
             motion_.sums_.outside(e - e * static_cast<Real>(side * x.low), side, turns), half_angle));
       }
     }
-    return rounded(motion_.at(t));
+    return rounded(motion_.at_scaled(t));
   }
 
  private:
@@ -67,7 +67,9 @@ class ExtendedFreeRotation {
     const Real c = std::cos(x.high), s = std::sin(x.high), low = x.low;
     return {c - low * s, s + low * c};
   }
-  static State rounded(const Motion::State& x) { return {x.q.cast<double>(), x.w_B.cast<double>()}; }
+  State rounded(const Motion::State& x) const {
+    return {x.q.cast<double>(), (x.w_B * motion_.unit_rate_).cast<double>()};
+  }
 
   Motion motion_;
   DoubleDouble start_, rate_, half_turn_, span_, half_jump_;

@@ -41,8 +41,12 @@ class FreeRotation {
   /// moments   principal moments [kg m^2], positive; need not be sorted, nor belong to a possible body
   /// q0        attitude at t = 0, principal to space, of any length but zero
   /// w0        rates at t = 0 [rad/s], principal components
-  FreeRotation(const Vec3& moments, const QuaternionT<S>& q0, const Vec3T<S>& w0)
-      : q0_(normalised<S>(q0)), w0_(w0) {
+  FreeRotation(const Vec3& given_moments, const QuaternionT<S>& q0, const Vec3T<S>& given_w0)
+      : q0_(normalised<S>(q0)), unit_rate_(power_of_two_near(given_w0)), w0_(given_w0 / unit_rate_) {
+    // In units in which rates and moments are about one: their squares neither vanish nor overflow, and since
+    // both units are powers of two nothing is rounded.
+    const Vec3 moments = given_moments / power_of_two_near(given_moments);
+    const Vec3T<S>& w0 = w0_;
     const Vec3 d(moments.y() - moments.z(), moments.z() - moments.x(), moments.x() - moments.y());
     if ((d.x() == 0 || w0.y() * w0.z() == S(0)) && (d.y() == 0 || w0.z() * w0.x() == S(0)) &&
         (d.z() == 0 || w0.x() * w0.y() == S(0))) {
@@ -56,6 +60,36 @@ class FreeRotation {
 
   /// The state at time t, which may be negative.
   State at(const S& t) const {
+    State state = at_scaled(S(t * unit_rate_));
+    state.w_B *= unit_rate_;
+    return state;
+  }
+
+  /// Time in which the rates return [s]; infinite where they are constant or never do (on the separatrix).
+  S period() const { return scaled_period() / unit_rate_; }
+
+  /// The complementary parameter 1 - k^2; one where the rates are trigonometric or constant.
+  const S& complementary_parameter() const { return m1_; }
+
+ private:
+  /// 2^k <= largest modulus < 2^(k + 1); one for zero and for what is not finite.
+  template <class T>
+  static T power_of_two_near(const Vec3T<T>& v) {
+    using std::abs;
+    using std::frexp;
+    using std::ldexp;
+    T largest(0);
+    for (int i = 0; i < 3; ++i)
+      if (abs(v[i]) > largest) largest = abs(v[i]);
+    if (!(largest > T(0)) || !(largest <= std::numeric_limits<T>::max())) return T(1);
+    int exponent = 0;
+    frexp(largest, &exponent);
+    return ldexp(T(1), exponent - 1);
+  }
+
+  // ---- in units of unit_rate_
+
+  State at_scaled(const S& t) const {
     switch (kind_) {
       case Kind::steady:
         return {q0_ * exp_rotation<S>(Vec3T<S>(w0_ * t)), w0_};
@@ -78,19 +112,13 @@ class FreeRotation {
     return {q0_, w0_};
   }
 
-  /// Time in which the rates return [s]; infinite where they are constant or never do (on the separatrix).
-  S period() const {
-    using std::abs;
+  S scaled_period() const {
     if (kind_ == Kind::inside) return S(2) * pi() / rate_;
     if (kind_ == Kind::outside) return S(2) * span_ / rate_;
     if (kind_ == Kind::symmetric) return S(2) * pi() / spin_.norm();
     return std::numeric_limits<S>::infinity();
   }
 
-  /// The complementary parameter 1 - k^2; one where the rates are trigonometric or constant.
-  const S& complementary_parameter() const { return m1_; }
-
- private:
   enum class Kind { steady, symmetric, inside, outside };
   using Sums = ThetaSums<S>;
   using Pair = typename Sums::Pair;
@@ -329,6 +357,7 @@ class FreeRotation {
 
   Kind kind_ = Kind::steady;
   QuaternionT<S> q0_;
+  S unit_rate_;  // rad/s
   Vec3T<S> w0_;
   Vec3T<S> precession_, spin_;  // symmetric: rates of the two turns, body components
 

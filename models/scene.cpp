@@ -401,7 +401,7 @@ Scene resolved(const toml::table& document, const std::filesystem::path& file) {
   Resolver(SceneTable(document, file.string(), "", 1), scene).resolve();
   if (scene.dial) {  // a place that is not there is found now, not when a study turns to it
     toml::table copy = document;
-    const auto line = std::to_string(document.get("stiff")->source().begin.line);
+    const auto line = std::to_string((*document["stiff"].as_table()->get("dial")).source().begin.line);
     turn_dial(copy, file.string() + ":" + line, *scene.dial, scene.dial->values.front());
   }
   return scene;

@@ -144,7 +144,8 @@ struct Gauss : QuaternionForm {
       double largest = 0;
       for (int j = begin; j < end; ++j)
         largest = std::max({largest, std::abs(y[std::size_t(j)]), std::abs(h * slope[std::size_t(j)])});
-      if (!(largest > 0)) largest = 1;
+      if (!(largest > 1e-280))
+        largest = largest > 0 ? 1e-280 : 1;  // numbers with fewer digits have no ulp to reach
       for (int j = begin; j < end; ++j) scale[std::size_t(j)] = largest;
     };
     constexpr int rotation = M::rotation_size;

@@ -349,5 +349,25 @@ TEST(FreeRotationPublished, SimbodyDzhanibekovPeriod) {
   EXPECT_NEAR((motion.complementary_parameter() / Wide("1.66e-22")).convert_to<double>(), 1, 0.005 / 1.66);
 }
 
+// Rates, moments and times in other units, by powers of two up to where squares would vanish or overflow: the
+// same motion to the last bit.
+TEST(FreeRotationUnits, DoNotMatter) {
+  const Vec3 I(0.6, 0.8, 1), w(3, 0.5, -0.9);
+  const Quaternion q0(0.8, 0, 0.6, 0);
+  const auto plain = FreeRotation<double>(I, q0, w).at(7.0);
+  const auto extended = ExtendedFreeRotation(I, q0, w).at(7.0);
+  for (const int rate : {-1000, -600, -20, 20, 600, 1000})
+    for (const int moment : {-1000, -400, 400, 1000}) {
+      const double unit = std::ldexp(1.0, rate);
+      const Vec3 I2 = I * std::ldexp(1.0, moment), w2 = w * unit;
+      const auto scaled = FreeRotation<double>(I2, q0, w2).at(7.0 / unit);
+      EXPECT_EQ(scaled.q.coeffs(), plain.q.coeffs()) << rate << " " << moment;
+      EXPECT_EQ(scaled.w_B, Vec3(plain.w_B * unit)) << rate << " " << moment;
+      const auto scaled_extended = ExtendedFreeRotation(I2, q0, w2).at(7.0 / unit);
+      EXPECT_EQ(scaled_extended.q.coeffs(), extended.q.coeffs()) << rate << " " << moment;
+      EXPECT_EQ(scaled_extended.w_B, Vec3(extended.w_B * unit)) << rate << " " << moment;
+    }
+}
+
 }  // namespace
 }  // namespace polhode
