@@ -191,11 +191,11 @@ const std::vector<Malformed>& malformed() {
        good + "[[load]]\ntype = 'angular_drag'\ncoefficients = [1, 1, 1]\n[stiff]\n" +
            "dial = 'load[0].coefficients'\nvalues = [1]\nalso = [{ dial = 'load[0]x', power = 1 }]\n",
        {"load[0]x", "no '.' before a name"}},
-      {14,
+      {13,
        good + "[[load]]\ntype = 'angular_drag'\ncoefficients = [1, 1, 1]\n[stiff]\n" +
            "dial = 'load[0].coefficients'\nvalues = [3, 2]\n",
        {"stiff.values", "[3, 2]", "increasing"}},
-      {13,
+      {12,
        good + "[[load]]\ntype = 'angular_drag'\ncoefficients = [1, 1, 1]\n[stiff]\nload = 1\n",
        {"stiff.load", "unknown key", "dial"}},
       // not TOML
