@@ -64,8 +64,9 @@ std::optional<std::vector<State>> without_gyroscopic_term(const Scene& scene, st
       std::vector<State> out;
       double t = 0;
       for (const double end : times) {
-        const double n = std::max(1.0, std::ceil((end - t) / ideal)), h = (end - t) / n;
-        for (double i = 0; i < n && end > 0; ++i) {
+        const int n = end > t ? static_cast<int>(std::ceil((end - t) / ideal)) : 0;
+        const double h = (end - t) / std::max(n, 1);
+        for (int i = 0; i < n; ++i) {
           const Vector a = slope(t, y), b = slope(t + h / 2, y + h / 2 * a),
                        c = slope(t + h / 2, y + h / 2 * b), d = slope(t + h, y + h * c);
           y += h / 6 * (a + 2 * b + 2 * c + d);

@@ -26,13 +26,13 @@ struct Point {
 
 /// Decades that hold all values.
 struct Axis {
-  double low = 0, high = 1;
+  int low = 0, high = 1;  // powers of ten
   int cells;
 
   Axis(const std::vector<double>& values, int n) : cells(n) {
     const auto [least, largest] = std::ranges::minmax(values);
-    low = std::floor(std::log10(least));
-    high = std::max(low + 1, std::ceil(std::log10(largest)));
+    low = static_cast<int>(std::floor(std::log10(least)));
+    high = std::max(low + 1, static_cast<int>(std::ceil(std::log10(largest))));
   }
   int cell(double x) const {
     const double part = (std::log10(x) - low) / (high - low);
@@ -43,7 +43,7 @@ struct Axis {
 /// Who reaches some decade of error in the least time, from coarse to fine.
 std::vector<std::string> fastest(const std::vector<Point>& points, const Axis& errors) {
   std::vector<std::string> ids;
-  for (double k = errors.high; k >= errors.low; --k) {
+  for (int k = errors.high; k >= errors.low; --k) {
     const Point* best = nullptr;
     for (const Point& p : points)
       if (p.error <= std::pow(10, k) && (!best || p.seconds < best->seconds)) best = &p;
@@ -54,7 +54,7 @@ std::vector<std::string> fastest(const std::vector<Point>& points, const Axis& e
   // used up.
   for (std::size_t before = 0; before != ids.size() && ids.size() < letters;) {
     before = ids.size();
-    for (double k = errors.high; k >= errors.low; k -= 3) {
+    for (int k = errors.high; k >= errors.low; k -= 3) {
       const Point* best = nullptr;
       for (const Point& p : points)
         if (p.error <= std::pow(10, k) && std::ranges::find(ids, p.solver) == ids.end() &&
@@ -105,9 +105,8 @@ std::string plot_of(const report::Results& results, const report::SceneCard& sce
 
   std::string out = fmt::format("{}: largest {}{} against CPU time of a run\n\n", scene.id, quantity.name,
                                 quantity.unit.empty() ? "" : ", " + quantity.unit + ",");
-  std::string label_before;
   for (int row = height - 1; row >= 0; --row) {
-    const double decade = errors.low + (errors.high - errors.low) * row / (height - 1);
+    const double decade = errors.low + double(errors.high - errors.low) * row / (height - 1);
     // A label where a whole decade lies in the row.
     std::string label;
     const double whole = std::round(decade);
@@ -121,7 +120,7 @@ std::string plot_of(const report::Results& results, const report::SceneCard& sce
   }
   out += fmt::format("{:>{}}+{}\n", "", margin - 1, std::string(width, '-'));
   std::string axis(margin + width, ' ');
-  for (double k = times.low; k <= times.high; ++k) {
+  for (int k = times.low; k <= times.high; ++k) {
     const std::string label = duration_text(std::pow(10, k));
     const auto from = static_cast<std::size_t>(
         std::clamp(margin + times.cell(std::pow(10, k)) - static_cast<int>(label.size()) / 2, 0,
@@ -133,10 +132,10 @@ std::string plot_of(const report::Results& results, const report::SceneCard& sce
   out += axis + "\n\n";
   std::size_t column = 0;
   for (std::size_t k = 0; k < ids.size(); ++k) {
-    constexpr std::size_t cell = 26;
+    constexpr std::size_t cell = 39;
     const std::string name = ids[k].substr(0, cell - 3);
     out += ' ' + painted(static_cast<char>('a' + k), k, coloured) + ' ' + name;
-    column = (column + 1) % 3;
+    column = (column + 1) % 2;
     out += column == 0 || k + 1 == ids.size() ? "\n" : std::string(cell - 3 - name.size(), ' ');
   }
   return out + " .  other runs" + (std::isfinite(scene.floor) ? ", --- rounding floor" : "") + '\n';

@@ -274,7 +274,8 @@ std::vector<Found> search(const Options& options, const Scene& scene, const Scen
   progress(options, "advise: " + scene.id + ", clock");
   time_carefully(options, scene, goal, all, std::span(found).first(std::min(found.size(), 2 * kept)));
   std::ranges::stable_sort(found, better);
-  std::ranges::stable_partition(found, [](const Found& f) { return f.status == Found::Status::found; });
+  std::stable_partition(found.begin(), found.end(),
+                        [](const Found& f) { return f.status == Found::Status::found; });
   found.insert(found.end(), others.begin(), others.end());
   return found;
 }
