@@ -40,7 +40,6 @@ constexpr Column verdict_columns[] = {
     {"max_abs", ColumnType::number, "largest absolute value over the samples"},
 };
 
-constexpr double none = std::numeric_limits<double>::quiet_NaN();
 constexpr int quantity_count = 6;
 constexpr const char* quantities[quantity_count] = {"attitude_error", "rotational_energy",  "total_energy",
                                                     "momentum",       "momentum_direction", "unit_defect"};
