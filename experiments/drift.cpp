@@ -4,7 +4,6 @@
 // energy, momentum as a vector, its direction and the unit length, each against the exact motion, so that a
 // torque's own work is not taken for an error. The running maximum of each is classified by its growth.
 #include <cmath>
-#include <limits>
 
 #include "experiments/fit.hpp"
 #include "experiments/grid.hpp"

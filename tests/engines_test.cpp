@@ -3,8 +3,10 @@
 #include "solvers/engines/engines.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -43,6 +45,27 @@ Scene body(const Vec3& moments, const Vec3& w0) {
 
 double energy_error(const Trajectory& t) {
   return std::abs(t.samples.back().rotational_energy / t.samples.front().rotational_energy - 1);
+}
+
+// ---- two runs at a time
+
+// Studies run on all cores: whatever an engine shares between two of its worlds must not show.
+TEST(Engines, RunsBesideEachOtherAreThoseOfOneAlone) {
+  for (const Method* m : engine_rows()) {
+    if (!m->in_studies || !m->by_steps) continue;
+    const Grid grid = equal_grid(1, 1, 64);
+    const auto end = [&] { return run(*m, hairer_vilmart(), {}, grid).samples.back(); };
+    const Sample alone = end();
+    std::atomic<int> different{0};
+    const auto repeat = [&] {
+      for (int k = 0; k < 50; ++k) different += end().w_B != alone.w_B;
+    };
+    {
+      const std::jthread other(repeat);
+      repeat();
+    }
+    EXPECT_EQ(different, 0) << m->id;
+  }
 }
 
 // ---- one step under several names

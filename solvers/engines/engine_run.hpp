@@ -7,6 +7,9 @@
 //   std::int64_t rhs_evals(std::int64_t steps)   accelerations it computed in so many steps, the last taken
 //   EngineState state() const
 #pragma once
+
+#include <mutex>
+
 #include "solvers/engines/engine_body.hpp"
 #include "solvers/engines/engines.hpp"
 #include "solvers/fixed_step.hpp"
@@ -43,6 +46,12 @@ class EngineSteps final : public FixedSteps {
   }
   void restart() override { engine_.restart(); }
   Advance advance(double t_start, double h, std::int64_t i, std::int64_t until) override {
+    [[maybe_unused]] const auto alone = [] {
+      if constexpr (requires { E::one_thread; })
+        return std::unique_lock(E::one_thread);  // an engine that steps in one thread at a time
+      else
+        return 0;
+    }();
     const std::int64_t from = i;
     Met met = engine_.set_step(h);
     for (; i < until && met.reason == nullptr; ++i) met = engine_.step(t_start + static_cast<double>(i) * h);

@@ -15,6 +15,7 @@
 // Source: Open Dynamics Engine 0.16.2, manual, and ode/src/step.cpp, util.cpp (dxStepBody).
 #include <algorithm>
 #include <memory>
+#include <mutex>
 
 #include <ode/ode.h>
 
@@ -30,8 +31,11 @@ constexpr Met too_fast = {
 class Ode {
  public:
   enum class Choice { step, quickstep };
+  // All worlds share one stand-in for threads, whose assertion aborts the program when two of them step at
+  // once.
+  static inline std::mutex one_thread;
   Ode(const EngineBody& b, Choice choice)
-      : b_(b), choice_(choice), world_(dWorldCreate()), body_(dBodyCreate(world_.get())) {
+      : b_(b), choice_(choice), world_(made()), body_(dBodyCreate(world_.get())) {
     dWorldSetGravity(world_.get(), b.gravity_S.x(), b.gravity_S.y(), b.gravity_S.z());
     dMass mass;
     dMassSetParameters(&mass, b.mass, 0, 0, 0, b.moments.x(), b.moments.y(), b.moments.z(), 0, 0, 0);
@@ -79,9 +83,16 @@ class Ode {
 
  private:
   struct Destroy {
-    void operator()(dxWorld* world) const { dWorldDestroy(world); }  // and its bodies
+    void operator()(dxWorld* world) const {
+      const std::lock_guard alone(one_thread);
+      dWorldDestroy(world);  // and its bodies
+    }
   };
   using World = std::unique_ptr<dxWorld, Destroy>;
+  static World made() {
+    const std::lock_guard alone(one_thread);
+    return World(dWorldCreate());
+  }
 
   double fastest() const {
     return std::max(vec(dBodyGetAngularVel(body_)).cwiseAbs().maxCoeff(),
