@@ -84,7 +84,7 @@ class Browser:
         elif method == "Network.requestWillBeSent":
             self.requests.append(what["request"]["url"][:200])
 
-    def send(self, method, timeout=30, **params):
+    def send(self, method, timeout=120, **params):
         """Calls a method of the protocol and returns its result."""
         self.number += 1
         message = {"id": self.number, "method": method, "params": params}
@@ -107,7 +107,7 @@ class Browser:
             raise PageError(result["exceptionDetails"].get("exception", {}).get("description", "a script failed"))
         return result["result"].get("value")
 
-    def wait_for(self, condition, timeout=10):
+    def wait_for(self, condition, timeout=60):
         """Waits until an expression is true and returns the seconds that took."""
         start = time.monotonic()
         while not self.run(f"Boolean({condition})"):
