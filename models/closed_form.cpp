@@ -99,9 +99,7 @@ template <class S, class Motion = FreeRotation<S>>
 class Freely final : public Rotating<S> {
  public:
   explicit Freely(const RotationData& r) : r_(r) { Freely::set_up(); }
-  void set_up() override {
-    motion_.emplace(r_.moments, r_.q0.template cast<S>(), r_.w0.template cast<S>());
-  }
+  void set_up() override { motion_.emplace(r_.moments, r_.q0.template cast<S>(), r_.w0.template cast<S>()); }
   Turning<S> at(const S& t) const override { return motion_->at(t); }
 
  private:

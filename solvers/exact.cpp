@@ -40,8 +40,8 @@ Prepared evaluate(const Scene& scene, const Setting& setting, std::shared_ptr<Cl
   if (!form) return {{}, "the scene has no closed form that is known here"};
   std::shared_ptr<ErasedModel> model = erased_model(scene);
   const Sample start = model->sample(0.0, model->initial().data());
-  return {[form = std::move(form), model = std::move(model), start, flat = Flat(scene),
-           setting](const Grid& grid, Trajectory& out) mutable {
+  return {[form = std::move(form), model = std::move(model), start, flat = Flat(scene), setting](
+              const Grid& grid, Trajectory& out) mutable {
             Record record(setting, grid, out);
             form->set_up();
             record.start(start);
