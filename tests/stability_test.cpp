@@ -335,7 +335,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Refusal{"stability angular-drag --dial duration --from 2 --to 1", 2, "more than --from"},
                     Refusal{"stability --dial duration --from 1 --to 2", 2, "which scene"},
                     Refusal{"stability space-torque --dial duration --from 1 --to 2", 2, "does work"},
-                    Refusal{"drift angular-drag --dial duration --from 1 --to 2", 2, "only stability"}));
+                    Refusal{"drift angular-drag --dial duration --from 1 --to 2", 2, "it is for stability"}));
 
 // An interrupted run keeps what it has; the same command goes on, and ends with the bytes of a run in one go.
 TEST(StabilityCommand, GoesOnAfterAnInterrupt) {
