@@ -170,6 +170,7 @@ int answer(const Options& options, const std::vector<Question>& questions) {
     for (Table& t : q.answer(plan)) tables.push_back(std::move(t));
   }
   progress(options, "");
+  if (tables.empty()) return 130;  // interrupted before the first question
   if (questions.size() == 1 && tables.front().rows.empty() && !interrupted())
     throw UsageError(
         std::string(questions.front().id) +
