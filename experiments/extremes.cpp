@@ -150,8 +150,7 @@ Verdict verdict_of(const Scene& scene, const SceneTruth& truth, const Trajectory
 }  // namespace
 
 Table extremes(const Plan& plan) {
-  Table table{"extremes.csv", columns, {}};
-  static_assert(key_columns == 5);
+  Table table{"extremes.csv", columns, {}, key_columns};
   std::vector<Case> cases = all_cases();
   if (plan.options.quick) std::erase_if(cases, [](const Case& c) { return c.slow; });
   std::vector<std::shared_ptr<const SceneTruth>> truths(cases.size());

@@ -69,8 +69,7 @@ Linearised rates_about_spin(const Scene& scene) {
 }  // namespace
 
 Table gyroscopic_map(const Plan& plan) {
-  Table table{"stability_map.csv", columns, {}};
-  static_assert(key_columns == 4);
+  Table table{"stability_map.csv", columns, {}, key_columns};
   const bool quick = plan.options.quick;
   std::vector<double> ratios, sizes;
   if (quick)

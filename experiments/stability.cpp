@@ -202,7 +202,7 @@ Accuracy accuracy(const Plan& plan, const Method& method, const Scene& scene, co
 }  // namespace
 
 Table dial_table(const Plan& plan) {
-  Table table{"stability.csv", columns, {}};
+  Table table{"stability.csv", columns, {}, key_columns};
   const bool quick = plan.options.quick;
   const std::int64_t most = quick ? 1024 : 65536;
   const auto times_of = [](const Scene& s) { return uniform_times(s.duration, 8); };
@@ -249,7 +249,6 @@ Table dial_table(const Plan& plan) {
       const Method& method = *methods[i / cases.size()];
       const Case& c = cases[i % cases.size()];
       std::vector<Cell> row = {text(scene.id), text(method.id), text(scene.dial->place), c.value};
-      static_assert(key_columns == 4);
       if (auto known = plan.earlier.find(table, row)) {
         rows[i] = std::move(*known);
         return;

@@ -56,8 +56,8 @@ struct Subject {
 }  // namespace
 
 std::vector<Table> tolerances(const Plan& plan) {
-  Table rows{"tolerance.csv", columns, {}}, verdicts{"tolerance_verdict.csv", verdict_columns, {}};
-  static_assert(key_columns == 4);
+  Table rows{"tolerance.csv", columns, {}, key_columns};
+  Table verdicts{"tolerance_verdict.csv", verdict_columns, {}, 3};  // scene, solver, value of the dial
   std::vector<Subject> subjects;
   for (const Scene& scene : plan.scenes) {
     if (interrupted() || !scene.rotation) continue;
