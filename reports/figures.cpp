@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include "reports/findings.hpp"
+#include "reports/stability_map.hpp"
 
 namespace polhode::report {
 
@@ -407,6 +408,7 @@ std::vector<Figure> figures_of(const Results& r) {
             titled("largest stable step", spaced(parameters[n]), "largest stable step h / s"));
       });
   }
+  for (Figure& f : map_figures(r)) out.push_back(std::move(f));
   return out;
 }
 

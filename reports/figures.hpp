@@ -9,8 +9,9 @@ namespace polhode::report {
 
 /// One figure before it is drawn.
 struct Figure {
-  std::string kind;    // work-precision, evaluations, convergence, energy-drift, momentum-drift, stability
-  std::string scene;   // id
+  std::string kind;    // work-precision, evaluations, convergence, energy-drift, momentum-drift, stability,
+                       // stability-map
+  std::string scene;   // id; empty: of no scene
   std::string name;    // stem of figures/NAME.gp, NAME.csv, NAME-84mm.svg, NAME-84mm.pdf, NAME-174mm.svg, ...
   std::string title;   // above the axes
   std::string script;  // run in the folder of the figure; holds relative paths only

@@ -177,13 +177,18 @@ std::vector<StabilityLimit> stability_limits(const CsvTable& t, const SceneCard&
   for (const std::size_t i : Results::rows_of(t, scene.id)) {
     const std::string key =
         t.text(i, "solver") + '\n' + t.text(i, "parameter") + '\n' + t.text(i, "parameter_value");
-    const StabilityLimit limit{t.text(i, "solver"), t.text(i, "parameter"), t.text(i, "parameter_value"),
-                               t.number(i, "largest_stable_h_s"), t.number(i, "theory_h_s")};
+    const StabilityLimit limit{t.text(i, "solver"),
+                               t.text(i, "parameter"),
+                               t.text(i, "parameter_value"),
+                               t.number(i, "largest_stable_h_s"),
+                               t.number(i, "largest_stable_near_rest_h_s"),
+                               t.number(i, "theory_h_s")};
     if (const auto [found, is_new] = seen.emplace(key, out.size()); is_new) {
       out.push_back(limit);
     } else {
       StabilityLimit& kept = out[found->second];
       if (!std::isfinite(kept.largest)) kept.largest = limit.largest;
+      if (!std::isfinite(kept.near_rest)) kept.near_rest = limit.near_rest;
       if (!std::isfinite(kept.theory)) kept.theory = limit.theory;
     }
   }
@@ -195,14 +200,14 @@ std::string stability_sentence(const Results& results, const SceneCard& scene) {
   double farthest = 0;
   std::string worst;
   for (const StabilityLimit& l : stability_limits(results.stability, scene)) {
-    if (!std::isfinite(l.largest) || !std::isfinite(l.theory) || l.theory <= 0) continue;
+    if (!std::isfinite(l.beside_theory()) || !std::isfinite(l.theory) || l.theory <= 0) continue;
     ++with_theory;
-    const double off = std::abs(l.largest / l.theory - 1);
-    if (off <= 0.05) ++agree;
+    const double off = std::abs(l.beside_theory() / l.theory - 1);
+    if (off <= 0.02) ++agree;
     if (off >= farthest) farthest = off, worst = l.solver;
   }
   if (with_theory == 0) return "No solver here has both a measured limit and one from theory.";
-  return fmt::format("{} of {} {} with linear theory within 5 %; farthest off is {}, by {} %.", agree,
+  return fmt::format("{} of {} {} with linear theory within 2 %; farthest off is {}, by {} %.", agree,
                      pretty_count(with_theory, "measured limit"), agree == 1 ? "agrees" : "agree", worst,
                      pretty_number(100 * farthest));
 }

@@ -46,7 +46,9 @@ bool order_met(double claimed, double order, double order_error);
 /// One measured stability limit.
 struct StabilityLimit {
   std::string solver, parameter, value;
-  double largest = 0, theory = 0;  // s; NaN where there is none
+  double largest = 0, near_rest = 0, theory = 0;  // s; NaN where there is none
+  /// What theory speaks of: next to rest, where there is rest.
+  double beside_theory() const { return near_rest > 0 ? near_rest : largest; }
 };
 /// Limits of a scene, one for each solver and value of the parameter, in file order.
 ///

@@ -10,6 +10,7 @@
 
 #include "reports/findings.hpp"
 #include "reports/pack.hpp"
+#include "reports/stability_map.hpp"
 
 namespace polhode::report {
 namespace {
@@ -93,6 +94,8 @@ std::string page_data(const Results& r, const std::filesystem::path& folder,
   data["missing_packages"] = page_missing_packages;
   for (const SceneCard& scene : r.scenes)
     data["scenes"].push_back({{"id", scene.id}, {"title", scene.title}, {"says", sentences_of(r, scene)}});
+  for (const auto& [solver, map] : stability_maps(r.stability_map))
+    data["map_says"][solver] = map_sentence(map);
   for (const auto& [solver, mark] : r.marks) data["looks"][solver] = {mark.colour, mark.filled, mark.dash};
   for (const auto& [name, value] : provenance) data["provenance"].push_back({name, value});
   for (const auto& [figure, svg] : drawn)

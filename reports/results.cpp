@@ -116,6 +116,7 @@ Results read_results(const std::filesystem::path& folder) {
   r.drift = read("drift.csv");
   r.drift_verdict = read("drift_verdict.csv");
   r.stability = read("stability.csv");
+  r.stability_map = read("stability_map.csv");
   r.solver_table = read("solvers.csv");
   const CsvTable scene_table = read("scenes.csv");
 
@@ -125,10 +126,10 @@ Results read_results(const std::filesystem::path& folder) {
     append_new(scene_ids, seen_scenes, scene_table.text(i, "scene"));
   for (std::size_t i = 0; i < r.solver_table.rows(); ++i)
     append_new(all, seen_solvers, r.solver_table.text(i, "solver"));
-  for (const CsvTable* t :
-       {&r.work_precision, &r.convergence, &r.orders, &r.drift, &r.drift_verdict, &r.stability})
+  for (const CsvTable* t : {&r.work_precision, &r.convergence, &r.orders, &r.drift, &r.drift_verdict,
+                            &r.stability, &r.stability_map})
     for (std::size_t i = 0; i < t->rows(); ++i) {
-      append_new(scene_ids, seen_scenes, t->text(i, "scene"));
+      if (t->has("scene")) append_new(scene_ids, seen_scenes, t->text(i, "scene"));
       append_new(all, seen_solvers, t->text(i, "solver"));
       used.insert(t->text(i, "solver"));
     }

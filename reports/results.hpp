@@ -43,7 +43,7 @@ struct Quantity {
 
 /// Everything that a report reads.
 struct Results {
-  CsvTable convergence, orders, work_precision, drift, drift_verdict, stability, solver_table;
+  CsvTable convergence, orders, work_precision, drift, drift_verdict, stability, stability_map, solver_table;
   std::vector<SceneCard> scenes;     // order of scenes.csv, then of appearance
   std::vector<std::string> solvers;  // that appear in an experiment; order of solvers.csv, then of appearance
   std::map<std::string, std::string> families;  // of the solvers that solvers.csv knows

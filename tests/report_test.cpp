@@ -17,6 +17,7 @@
 #include "reports/findings.hpp"
 #include "reports/pack.hpp"
 #include "reports/page.hpp"
+#include "reports/stability_map.hpp"
 #include "reports/words.hpp"
 
 namespace polhode::report {
@@ -121,6 +122,27 @@ TEST(Findings, OrdersAreMetWithinTheirBand) {
   EXPECT_TRUE(order_met(4, 4.1, 0.01));
   EXPECT_FALSE(order_met(4, 3.8, 0.01));
   EXPECT_TRUE(order_met(4, 3.8, 0.11));  // twice its own error
+}
+
+// Ten cells: three grow (one blew up), one loses, two are held, one has no number, three keep.
+constexpr const char* some_map =
+    "solver,axis,inertia_ratio,h_w,outcome,energy_growth_per_step,grows,theory_h_w\n"
+    "rk4,least,0.5,0.01,ok,-1e-14,0,1.5\nrk4,least,0.5,0.1,ok,1e-13,0,1.5\nrk4,least,0.5,1,ok,-2e-3,0,1.5\n"
+    "rk4,least,0.5,10,diverged,,,1.5\nrk4,middle,0.5,0.01,ok,1e-13,0,\nrk4,middle,0.5,0.1,ok,1e-5,1,\n"
+    "rk4,middle,0.5,1,ok,0.25,1,\nrk4,middle,0.5,10,solver_failed,,,\n"
+    "rk4,greatest,1.5,0.01,asleep,0,,\nrk4,greatest,1.5,1,clamped,-0.1,,\n";
+
+TEST(StabilityMap, InWordsCountsEveryCellOnce) {
+  const auto maps = stability_maps(parse_csv(some_map));
+  ASSERT_EQ(maps.size(), 1u);
+  EXPECT_EQ(
+      map_sentence(maps.at("rk4")),
+      "Gains energy on 30 % of this map (25 % about the axis of least moment, 50 % about the middle axis, 0 "
+      "% "
+      "about the axis of greatest moment), first at h·|ω| = 0.1, by up to 0.25 a step. Loses more than a "
+      "millionth a step on 10 % of it, up to 0.002. Is clamped on 10 % of it, at h·|ω| = 1. Falls "
+      "asleep on 10 % of it, at h·|ω| = 0.01. Ends without a number on 10 % of it.");
+  EXPECT_EQ(map_sentence({maps.at("rk4").front()}), "Gains energy nowhere on this map.");
 }
 
 TEST_F(Report, AnEmptyFolderSaysSo) {
@@ -237,13 +259,14 @@ TEST_F(Report, EveryFigureIsDrawnOrANoteSaysWhyNot) {
       "step\n"
       "box,rk4,coefficients[1],10,0.3,diverged,0.278,0.2785,2\nbox,dirk,coefficients[1],10,,ok,5,,\n"
       "box,none,coefficients[1],10,,unsupported,,,\n");
+  put("stability_map.csv", some_map);
   page();
   int scripts = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "figures"))
     scripts += entry.path().extension() == ".gp";
-  // Work, evaluations, convergence, energy drift, stability; the momentum has nothing but noise below any
-  // axis.
-  EXPECT_EQ(scripts, 5);
+  // Work, evaluations, convergence, energy drift, stability and its map; the momentum has nothing but noise
+  // below any axis.
+  EXPECT_EQ(scripts, 6);
   if (outcome_.figures == scripts) {
     EXPECT_THAT(outcome_.notes, ::testing::IsEmpty());
     // One column of a page is 84 mm wide, two are 174 mm: 317 and 657 px of 1/96 inch.

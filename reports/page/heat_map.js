@@ -52,7 +52,8 @@ function map_row(t, solver) {
   const rows = t.where("solver", solver);
   const axes = Object.keys(axes_words).filter((axis) => rows.some((i) => t.text(i, "axis") === axis));
   return el("div", { class: "map-row" }, el("h4", {}, named(solver)), el("div", { class: "map-grid" },
-    axes.map((axis) => one_map(t, rows.filter((i) => t.text(i, "axis") === axis), `${solver}, spin ${axes_words[axis]}`, axis))));
+    axes.map((axis) => one_map(t, rows.filter((i) => t.text(i, "axis") === axis), `${solver}, spin ${axes_words[axis]}`, axis))),
+    data.map_says?.[solver] && el("p", { class: "says" }, data.map_says[solver]));
 }
 
 function one_map(t, rows, label, axis) {

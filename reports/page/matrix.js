@@ -70,7 +70,7 @@ function tolerance_part() {
     const at = (solver, rtol) => rows.find((i) => t.text(i, "solver") === solver && t.text(i, "rtol") === rtol);
     const deceived = (i) => ({ 10: " !", 100: " !!" })[t.text(i, "deceived")];
     const cell = (i) => (i === undefined ? "–" : t.text(i, "outcome") !== "ok" ? el("small", {}, spaced(t.text(i, "outcome")))
-      : [pretty(t.number(i, "error_over_tolerance"), 2), deceived(i) && el("span", { class: "badge bad" }, deceived(i))]);
+      : [pretty(t.number(i, "error_over_tolerance"), 2), " ", deceived(i) && el("span", { class: "badge bad" }, deceived(i))]);
     const verdict = (solver) => verdict_rows.find((i) => v.text(i, "solver") === solver);
     const told = (title, hint, text) => verdict_rows.length > 0 && { title, hint, cell: (solver) => {
       const i = verdict(solver);

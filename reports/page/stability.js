@@ -71,9 +71,11 @@ function limits_table(t, solvers) {
     { title: "Solver", head: true, cell: (i) => named(t.text(i, "solver")) },
     { title: sentence_case(spaced(t.text(rows[0], "parameter"))), number: true, cell: (i) => pretty(t.number(i, "parameter_value")) },
     time("Largest stable step", "largest_stable_h_s"),
+    time("Next to rest", "largest_stable_near_rest_h_s", "what linear theory speaks of"),
     time("Linear theory", "theory_h_s"),
-    { title: "Ratio", number: true, cell: (i) => {
-      const ratio = t.number(i, "largest_stable_h_s") / t.number(i, "theory_h_s");
+    { title: "Ratio", hint: "of the largest stable step next to rest, where there is rest, to theory", number: true, cell: (i) => {
+      const near = t.has("largest_stable_near_rest_h_s") ? t.number(i, "largest_stable_near_rest_h_s") : NaN;
+      const ratio = (near > 0 ? near : t.number(i, "largest_stable_h_s")) / t.number(i, "theory_h_s");
       return Number.isFinite(ratio) ? ratio.toFixed(3) : "–";
     } },
     time("Step for 10⁻³", "largest_accurate_h_1e3_s", "largest step with an error below 10⁻³"),
