@@ -73,9 +73,12 @@ std::optional<double> theoretical_limit(const Method& method, const Linearised& 
   };
   if (!stable(low)) return low;
   double inside = low;
-  for (double h = low; inside < high; inside = h) {
-    h = std::min(high, h * 1.01);
-    if (stable(h)) continue;
+  while (inside < high) {
+    double h = std::min(high, inside * 1.01);
+    if (stable(h)) {
+      inside = h;
+      continue;
+    }
     for (int i = 0; i < 40; ++i) {
       const double middle = std::sqrt(inside * h);
       (stable(middle) ? inside : h) = middle;
