@@ -8,7 +8,9 @@
 namespace polhode {
 namespace {
 
-constexpr int looks = 64;
+// The energy is looked at after each of the first steps, then 64 times more: a growth that ends by itself (of
+// a matrix that it inflates, say) may be over in a few dozen steps.
+constexpr int first_looks = 64, looks = 64;
 
 struct Halves {
   Outcome outcome = Outcome::ok;
@@ -21,20 +23,25 @@ Halves halves(const Integration& run, double h, std::int64_t steps) {
   const std::int64_t stretch = (steps + looks - 1) / looks;
   Grid grid;
   grid.from_start = true;
-  for (int k = 1; k <= looks; ++k)
-    grid.stretches.push_back({h * static_cast<double>(stretch * k), stretch, h});
+  std::int64_t at = 0;
+  const auto look_after = [&](std::int64_t n) {
+    at += n;
+    grid.stretches.push_back({h * static_cast<double>(at), n, h});
+  };
+  for (int k = 0; k < first_looks; ++k) look_after(1);
+  while (at < stretch * looks) look_after(std::min(stretch, stretch * looks - at));
   Trajectory out;
   run(grid, out);
   Halves result;
   result.outcome = out.outcome;
-  result.steps = static_cast<double>(stretch * looks);
+  result.steps = static_cast<double>(at);
   if (out.samples.empty()) return result;
   const Sample& start = out.samples.front();
   const double scale = start.rotational_energy + std::abs(start.total_energy - start.rotational_energy);
   for (std::size_t k = 0; k < out.samples.size() && scale > 0; ++k) {
     const double e = 1 + (out.samples[k].total_energy - start.total_energy) / scale;
     if (!std::isfinite(e)) result.outcome = Outcome::not_finite;
-    double& largest = k <= looks / 2 ? result.first : result.second;
+    double& largest = out.samples[k].t <= 0.5 * grid.end() ? result.first : result.second;
     largest = std::max(largest, e);
     result.end = e;
   }
