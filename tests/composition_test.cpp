@@ -8,6 +8,7 @@
 #include "models/extended_free_rotation.hpp"
 #include "solvers/reference.hpp"
 #include "solvers/registry.hpp"
+#include "tests/sanitized.hpp"
 
 namespace polhode {
 namespace {
@@ -77,11 +78,7 @@ TEST(Composition, WithNearlyTwoEqualMomentsTheTopIsTheMotion) {
 }
 
 TEST(Composition, MomentumIsKeptThroughManySteps) {
-#ifdef POLHODE_SANITIZED
-  const std::int64_t steps = 10'000;
-#else
-  const std::int64_t steps = 300'000;
-#endif
+  const std::int64_t steps = sanitized ? 10'000 : 300'000;
   const Scene scene = find_scene("hairer-vilmart");
   const Vec3 L0 = scene.rotation->moments.cwiseProduct(scene.rotation->w0);
   for (const char* id : {"symmetric-split", "no-squish", "symmetric-split-suzuki4", "free-flow-split"}) {

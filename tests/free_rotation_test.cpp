@@ -6,6 +6,7 @@
 
 #include "models/extended_free_rotation.hpp"
 #include "models/wide.hpp"
+#include "tests/sanitized.hpp"
 
 namespace polhode {
 namespace {
@@ -93,13 +94,8 @@ void expect_eight_ulp(const Case& c, const char* what) {
   EXPECT_LT(gap(x.q, z.q.cast<Wide>()), 4 * ulp + 32 * ulp / 2048 * attitude) << message();
 }
 
-// A quarter of ten thousand bodies for each of four seeds; the sanitizers, ten times slower, see the same
-// code in a tenth.
-#ifdef POLHODE_SANITIZED
-constexpr int body_count = 250;
-#else
-constexpr int body_count = 2500;
-#endif
+// A quarter of ten thousand bodies for each of four seeds; the sanitizers see the same code in a tenth.
+constexpr int body_count = sanitized ? 250 : 2500;
 class FreeRotationProperty : public testing::TestWithParam<unsigned> {
  protected:
   Bodies bodies{GetParam()};

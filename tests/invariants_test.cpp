@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "experiments/question.hpp"
+#include "tests/sanitized.hpp"
 
 namespace polhode {
 
@@ -19,11 +20,7 @@ namespace {
 /// A million steps where a step is cheap; methods of higher order take in each as many stages as pay for it.
 std::int64_t steps_of(const Method& m) {
   const double order = m.claims.attitude_order;
-#ifdef POLHODE_SANITIZED
-  const std::int64_t many = 100'000;
-#else
-  const std::int64_t many = 1'000'000;
-#endif
+  const std::int64_t many = sanitized ? 100'000 : 1'000'000;
   return order <= 2 ? many : order <= 4 ? many / 4 : order <= 6 ? many / 10 : many / 25;
 }
 

@@ -10,6 +10,7 @@
 #include "experiments/question.hpp"
 #include "models/extended_free_rotation.hpp"
 #include "solvers/registry.hpp"
+#include "tests/sanitized.hpp"
 
 namespace polhode {
 namespace {
@@ -60,11 +61,7 @@ TEST_P(MoserVeselovOrder, OfTheFreeBody) {
 INSTANTIATE_TEST_SUITE_P(All, MoserVeselovOrder, testing::Values(2, 4, 6, 8, 10));
 
 TEST(MoserVeselov, EnergyAndMomentumOverAMillionSteps) {
-#ifdef POLHODE_SANITIZED
-  const std::int64_t steps = 10'000;
-#else
-  const std::int64_t steps = 1'000'000;
-#endif
+  const std::int64_t steps = sanitized ? 10'000 : 1'000'000;
   const Scene scene = find_scene("hairer-vilmart");
   const Vec3 L0 = scene.rotation->moments.cwiseProduct(scene.rotation->w0);
   const double E0 = 0.5 * L0.dot(scene.rotation->w0);

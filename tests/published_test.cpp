@@ -16,6 +16,7 @@
 #include "solvers/runge_kutta_4.hpp"
 #include "tests/command.hpp"
 #include "tests/reference_cases.hpp"
+#include "tests/sanitized.hpp"
 
 namespace polhode {
 namespace {
@@ -351,8 +352,10 @@ TEST(Published, BulletTumblingBoxByTheProgram) {
   struct Row {
     const char *h, *momentum, *energy;
   };
-  for (const Row& row : {Row{"1e-3", "0.0124501", "0.0135771"}, Row{"5e-4", "0.00626166", "0.00679101"},
-                         Row{"1e-4", "0.00125827", "0.0013586"}}) {
+  std::vector<Row> rows{{"1e-3", "0.0124501", "0.0135771"}};
+  if (!sanitized)
+    rows.insert(rows.end(), {{"5e-4", "0.00626166", "0.00679101"}, {"1e-4", "0.00125827", "0.0013586"}});
+  for (const Row& row : rows) {
     const auto columns = printed_by("drift '" + file.string() +
                                     "' --solver bullet-implicit-body --samples 10000 --h " + row.h + " -o -");
     ASSERT_EQ(columns.at("t_s").size(), 10000u);

@@ -11,6 +11,7 @@
 #include "solvers/registry.hpp"
 #include "solvers/stability_function.hpp"
 #include "solvers/verner98_table.hpp"
+#include "tests/sanitized.hpp"
 
 namespace polhode {
 namespace {
@@ -308,11 +309,7 @@ TEST(Compensated, RoundingNoLongerGrowsWithTheSteps) {
   // left of the attitude error of a plain run is the rounding of its sums, N^(1/2) to N^(3/2) units
   // of 1.1e-16. The compensated run is left with what the right-hand sides round (h times smaller) and with
   // the rounded constants of the body, the same for both.
-#ifdef POLHODE_SANITIZED
-  constexpr std::int64_t steps = 100'000;
-#else
-  constexpr std::int64_t steps = 1'000'000;
-#endif
+  constexpr std::int64_t steps = sanitized ? 100'000 : 1'000'000;
   Scene scene = hairer_vilmart();
   Grid grid;
   grid.stretches.push_back({10, steps, 10.0 / double(steps)});
