@@ -90,9 +90,10 @@ TEST(StabilityLimits, AStableMethodsHaveNone) {
   auto methods = select_methods({"implicit-midpoint", "gauss4", "gauss6", "arkode-sdirk-5-3-4",
                                  "arkode-kvaerno-5-3-4", "odeint-implicit-euler"});
   if (sanitized) methods = select_methods({"gauss4", "odeint-implicit-euler"});
-  const auto table =
-      limits({with_one_value("angular-drag", 3e7), with_one_value("critical-spring", 5e9)}, methods);
-  ASSERT_EQ(table.rows(), 2 * methods.size());
+  std::vector<Scene> scenes{with_one_value("angular-drag", 3e7)};
+  if (!sanitized) scenes.push_back(with_one_value("critical-spring", 5e9));
+  const auto table = limits(scenes, methods);
+  ASSERT_EQ(table.rows(), scenes.size() * methods.size());
   for (std::size_t i = 0; i < table.rows(); ++i) {
     const std::string where = table.text(i, "solver") + " on " + table.text(i, "scene");
     EXPECT_EQ(table.text(i, "theory_h_s"), "") << where;
@@ -339,14 +340,17 @@ INSTANTIATE_TEST_SUITE_P(
 // in one go.
 TEST(StabilityCommand, GoesOnAfterAnInterrupt) {
   const TemporaryFolder folder;
-  const std::string command = "stability angular-drag --quick --solver euler --solver rk4 --jobs 1 -o out";
+  const std::string command =
+      "stability angular-drag --dial 'load[0].coefficients[0]' --from 3 --to 30 --quick --solver euler "
+      "--solver rk4 "
+      "--jobs 1 -o out";
   const auto file = [&](const char* name) { return folder.path() / "out" / name; };
   const auto is_interrupted = [&] {
     return nlohmann::json::parse(text_of(file("run.json")))["interrupted"] == true;
   };
   ASSERT_EQ(polhode_command(command, folder.path()).exit_code, 0);
   ASSERT_FALSE(is_interrupted());
-  const std::string rows = text_of(file("stability.csv")), map = text_of(file("stability_map.csv"));
+  const std::string rows = text_of(file("stability.csv"));
   std::filesystem::remove_all(folder.path() / "out");
 
   // When rk4 begins, all of euler is done.
@@ -368,7 +372,6 @@ TEST(StabilityCommand, GoesOnAfterAnInterrupt) {
   ASSERT_EQ(polhode_command(command, folder.path()).exit_code, 0);
   EXPECT_FALSE(is_interrupted());
   EXPECT_EQ(exchanged(text_of(file("stability.csv")), no_limit, limit), rows);
-  EXPECT_EQ(text_of(file("stability_map.csv")), map);
 }
 
 }  // namespace
