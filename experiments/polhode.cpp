@@ -4,6 +4,8 @@
 #include <cstdio>
 #include <exception>
 #include <map>
+#include <string_view>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -164,6 +166,8 @@ int run(int argc, char** argv) {
   CLI::App app{"polhode: how wrong, how stable and how expensive is this integrator on this spinning body?",
                "polhode"};
   app.set_version_flag("--version", std::string("polhode ") + polhode_version);
+  // Newer CLI11 takes -h and --h for the same name: -h is turned into --help before it looks.
+  app.set_help_flag("--help", "print this and exit; also -h");
   app.require_subcommand(1);
   app.failure_message(CLI::FailureMessage::simple);
   app.footer(
@@ -181,8 +185,11 @@ int run(int argc, char** argv) {
                      (near.empty() ? "" : "; did you mean '" + near + "'?") +
                      " ('polhode --help' shows all)");
   }
+  std::vector<const char*> arguments(argv, argv + argc);
+  for (const char*& argument : arguments)
+    if (std::string_view(argument) == "-h") argument = "--help";
   try {
-    app.parse(argc, argv);
+    app.parse(argc, arguments.data());
   } catch (const CLI::Success& e) {
     return app.exit(e);  // help and version
   } catch (const CLI::ParseError& e) {

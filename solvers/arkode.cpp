@@ -5,6 +5,9 @@
 //   arkode-erkstep-NAME    the same explicit table by ERKStep
 //   arkode-NAME-fixed-vector   the same run to the last bit on vectors of fixed length
 //                              (solvers/sundials_vector.hpp)
+//   arkode-NAME-relaxation     steps scaled so that each keeps the energy; SUNDIALS 6.6 and later
+//   arkode-sprk-NAME           the same version's symplectic partitioned tables by SPRKStep, NAME_P_S: order
+//   P
 //
 // y <- y + h sum b_i k_i,  k_i = f(t + c_i h, y + h sum a_ij k_j), a_ij = 0 for j > i, and for the explicit
 // ones for j = i. Fixed steps, or steps by the tolerance from the difference to the embedded formula. All
@@ -19,8 +22,18 @@
 // library's, not the table's: ARKStep has the order. It was mended in 6.7.0 (its change log: "incorrectly
 // treated as having the first same as last property").
 //
+// Relaxation (Ketcheson, SIAM J. Numer. Anal. 57 (2019), 2850): y <- y + g h sum b_i k_i with the g near 1
+// for which the energy is that of the start, and the step ends at t + g h. It serves scenes whose loads keep
+// the energy, and tables whose weights b_i are not negative: Dormand & Prince's is none.
+//
+// SPRKStep: w <- w + a^_i h w'(q), q <- q + a_i h q'(w), and v, p likewise, through the stages. Its tables
+// are symplectic and have their order where the energy is a sum of T(velocity) and V(position). A translation
+// is so; a rotation is not (q' holds q, w' holds w, and each is stepped by Euler's method): there order 1 is
+// left of every table, and the energy drifts. The rows are here to be measured, not to be recommended.
+//
 // Source: Reynolds et al., ARKODE: a flexible IVP solver infrastructure for one-step methods, ACM TOMS 49
 // (2023); of each table in the list below.
+#include <algorithm>
 #include <array>
 #include <deque>
 #include <utility>
@@ -42,7 +55,7 @@ struct Table {
   std::string_view source;
   bool in_studies = false;
   unsigned exceptions = 0;
-  bool fixed_length_vectors = false;
+  Way way = Way::plain;
 };
 
 /// What of the usual claims does not hold for a table, or cannot be measured in double precision.
@@ -60,11 +73,14 @@ constexpr bool erkstep_is_wrong =
 #define ERK(name) CarriedBy::arkstep_explicit, ARKODE_##name, #name
 #define DIRK(name) CarriedBy::arkstep_implicit, ARKODE_##name, #name
 #define BY_ERKSTEP(name) CarriedBy::erkstep, ARKODE_##name, #name
+#define SPRK(name) CarriedBy::sprkstep, ARKODE_SPRK_##name, "SPRK_" #name
 constexpr std::string_view kennedy_carpenter_2003 = "Kennedy & Carpenter, Appl. Numer. Math. 44 (2003), 139";
 constexpr std::string_view kennedy_carpenter_2016 = "Kennedy & Carpenter, NASA/TM-2016-219173";
 constexpr std::string_view kennedy_carpenter_2019 = "Kennedy & Carpenter, Appl. Numer. Math. 136 (2019), 183";
 constexpr std::string_view kennedy_carpenter_2019b =
     "Kennedy & Carpenter, Appl. Numer. Math. 146 (2019), 221";
+[[maybe_unused]] constexpr std::string_view relaxation = "Ketcheson, SIAM J. Numer. Anal. 57 (2019), 2850";
+[[maybe_unused]] constexpr std::string_view mclachlan_atela = "McLachlan & Atela, Nonlinearity 5 (1992), 541";
 constexpr Table tables[] = {
     {ERK(HEUN_EULER_2_1_2), 2, 2, 1, "Heun, Z. Math. Phys. 45 (1900), 23"},
     {ERK(BOGACKI_SHAMPINE_4_2_3), 4, 3, 2, "Bogacki & Shampine, Appl. Math. Lett. 2 (1989), 321"},
@@ -115,27 +131,62 @@ constexpr Table tables[] = {
     {BY_ERKSTEP(VERNER_8_5_6), 8, 6, 5, "Verner, SIAM J. Numer. Anal. 15 (1978), 772", false,
      order_unseen | order_3_left},
     {ERK(DORMAND_PRINCE_7_4_5), 7, 5, 4, "Dormand & Prince, J. Comput. Appl. Math. 6 (1980), 19", false, 0,
-     true},
-    {DIRK(SDIRK_5_3_4), 5, 4, 3, "Hairer & Wanner, Solving ODEs II (1996), IV.6", false, 0, true},
+     Way::fixed_length_vectors},
+    {DIRK(SDIRK_5_3_4), 5, 4, 3, "Hairer & Wanner, Solving ODEs II (1996), IV.6", false, 0,
+     Way::fixed_length_vectors},
+#ifdef POLHODE_SPRKSTEP
+    {ERK(BOGACKI_SHAMPINE_4_2_3), 4, 3, 2, relaxation, false, 0, Way::relaxed},
+    {ERK(ZONNEVELD_5_3_4), 5, 4, 3, relaxation, false, 0, Way::relaxed},
+    {ERK(CASH_KARP_6_4_5), 6, 5, 4, relaxation, false, 0, Way::relaxed},
+    {ERK(FEHLBERG_13_7_8), 13, 8, 7, relaxation, false, 0, Way::relaxed},
+    {DIRK(TRBDF2_3_3_2), 3, 2, 3, relaxation, false, 0, Way::relaxed},
+    {SPRK(EULER_1_1), 1, 1, 0, "Ruth, IEEE Trans. Nucl. Sci. 30 (1983), 2669"},
+    {SPRK(LEAPFROG_2_2), 2, 2, 0, "Ruth, IEEE Trans. Nucl. Sci. 30 (1983), 2669"},
+    {SPRK(PSEUDO_LEAPFROG_2_2), 2, 2, 0, "Ruth, IEEE Trans. Nucl. Sci. 30 (1983), 2669"},
+    {SPRK(RUTH_3_3), 3, 3, 0, "Ruth, IEEE Trans. Nucl. Sci. 30 (1983), 2669"},
+    {SPRK(CANDY_ROZMUS_4_4), 4, 4, 0, "Candy & Rozmus, J. Comput. Phys. 92 (1991), 230"},
+    {SPRK(MCLACHLAN_2_2), 2, 2, 0, mclachlan_atela},
+    {SPRK(MCLACHLAN_3_3), 3, 3, 0, mclachlan_atela},
+    {SPRK(MCLACHLAN_4_4), 4, 4, 0, mclachlan_atela},
+    {SPRK(MCLACHLAN_5_6), 6, 5, 0, mclachlan_atela},
+    {SPRK(YOSHIDA_6_8), 8, 6, 0, "Yoshida, Phys. Lett. A 150 (1990), 262"},
+    {SPRK(SUZUKI_UMENO_8_16), 16, 8, 0, "Suzuki & Umeno, Springer Proc. Phys. 76 (1993), 74"},
+    {SPRK(SOFRONIOU_10_36), 36, 10, 0, "Sofroniou & Spaletta, Optim. Methods Softw. 20 (2005), 597"},
+#endif
 };
 #undef ERK
 #undef DIRK
 #undef BY_ERKSTEP
+#undef SPRK
+
+/// Do all loads of a scene have a potential that does not change, and nothing else?
+bool keeps_energy(const Scene& scene) {
+  if (scene.translation && scene.translation->drag != 0) return false;
+  return !scene.rotation || std::ranges::all_of(scene.rotation->loads, [](const AnyTorque<double>& load) {
+    const auto* spring = std::get_if<AttitudeSpring<double>>(&load);
+    return spring ? spring->damping == 0 : std::holds_alternative<GravityAboutPivot<double>>(load);
+  });
+}
 
 template <std::size_t i>
 Prepared prepare(const Scene& scene, const Setting& setting) {
   constexpr const Table& table = tables[i];
   if (setting.knob == Knob::tolerance && table.embedded == 0)
     return {{}, "has no tolerance, only a fixed step size"};
-  return {[arkode = std::make_shared<Arkode>(erased_model(scene), setting, table.by, table.id,
-                                             table.fixed_length_vectors)](const Grid& grid, Trajectory& out) {
-            arkode->integrate(grid, out);
-          },
-          {}};
+  if (table.way == Way::relaxed && !keeps_energy(scene))
+    return {{}, "keeps the energy, which a load of this scene changes"};
+  KeptEnergy kept;
+  if (scene.rotation) kept.moments = scene.rotation->moments;
+  if (scene.translation) kept.mass = scene.translation->mass;
+  return {
+      [arkode = std::make_shared<Arkode>(erased_model(scene), setting, table.by, table.id, table.way, kept)](
+          const Grid& grid, Trajectory& out) { arkode->integrate(grid, out); },
+      {}};
 }
 
 /// Of a table, from the library's own coefficients.
 StabilityFunction stability_of(const Table& table) {
+  if (table.by == CarriedBy::sprkstep) return {};  // no function of h lambda alone: it depends on the parts
   const bool implicit = table.by == CarriedBy::arkstep_implicit;
   const ARKodeButcherTable T = implicit
                                    ? ARKodeButcherTable_LoadDIRK(static_cast<ARKODE_DIRKTableID>(table.id))
@@ -159,6 +210,7 @@ struct Text {
 
 /// The order that the installed library makes of a table.
 int order_of(const Table& table) {
+  if (table.by == CarriedBy::sprkstep) return 1;  // of a rotation
   if (!erkstep_is_wrong) return table.order;
   return table.exceptions & order_2_left ? 2 : table.exceptions & order_3_left ? 3 : table.order;
 }
@@ -174,7 +226,9 @@ Claims claims_of(const Table& table) {
           .unit_attitude = Claim::no,
           .momentum_magnitude = Claim::no,
           .space_momentum = Claim::no,
-          .energy_bounded = e & drift_unseen ? Claim::unknown : Claim::no,
+          .energy_bounded = table.way == Way::relaxed ? Claim::yes
+                            : e & drift_unseen        ? Claim::unknown
+                                                      : Claim::no,
           // The test takes its step from the claimed order; without one it is too fine to see anything.
           .reversible = seen < 0 ? Claim::unknown : Claim::no};
 }
@@ -184,17 +238,26 @@ Text text_of(const Table& table) {
   text.id = table.by == CarriedBy::erkstep ? "arkode-erkstep-" : "arkode-";
   for (const char c : table.name)
     text.id += c == '_' ? '-' : c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  if (table.fixed_length_vectors) text.id += "-fixed-vector";
+  if (table.way == Way::fixed_length_vectors) text.id += "-fixed-vector";
+  if (table.way == Way::relaxed) text.id += "-relaxation";
   const std::string order = std::to_string(table.order) +
                             (table.embedded > 0 ? "(" + std::to_string(table.embedded) + ")" : std::string());
-  text.summary = std::string(table.by == CarriedBy::arkstep_implicit ? "diagonally implicit" : "explicit") +
-                 " Runge-Kutta method of order " + order + " in " + std::to_string(table.stages) +
-                 " stages on (q, w_B), " + (table.by == CarriedBy::erkstep ? "ERKStep" : "ARKStep");
-  if (table.fixed_length_vectors) text.summary += ", vectors of fixed length";
+  text.summary =
+      std::string(table.by == CarriedBy::arkstep_implicit ? "diagonally implicit"
+                  : table.by == CarriedBy::sprkstep       ? "symplectic partitioned"
+                                                          : "explicit") +
+      " Runge-Kutta method of order " + order + " in " + std::to_string(table.stages) +
+      " stages on (q, w_B), " +
+      (table.by == CarriedBy::erkstep    ? "ERKStep"
+       : table.by == CarriedBy::sprkstep ? "SPRKStep: of order 1, and not symplectic, where a body turns"
+                                         : "ARKStep");
+  if (table.way == Way::fixed_length_vectors) text.summary += ", vectors of fixed length";
+  if (table.way == Way::relaxed) text.summary += ", relaxed: each step keeps the energy";
+  if (table.by == CarriedBy::sprkstep) return text;
   if (order_of(table) != table.order)
     text.summary += ", whose defect in this version leaves order " + std::to_string(order_of(table));
   // The defect makes a step depend on the one before: no function of z says what it does.
-  if (order_of(table) == table.order) text.stability = stability_of(table);
+  if (order_of(table) == table.order && table.way != Way::relaxed) text.stability = stability_of(table);
   return text;
 }
 
@@ -219,7 +282,7 @@ MethodRows rows() {
                      .summary = texts[i].summary,
                      .source = table.source,
                      .version = "SUNDIALS " SUNDIALS_VERSION,
-                     .by_steps = true,
+                     .by_steps = table.way != Way::relaxed,  // its steps end where the energy says
                      .by_tolerance = table.embedded > 0,
                      .in_studies = table.in_studies,
                      .claims = claims_of(table),

@@ -25,6 +25,11 @@
 #include "solvers/sundials_vector.hpp"
 #include "solvers/sundials_watch.hpp"
 
+#if SUNDIALS_VERSION_MAJOR > 6 || (SUNDIALS_VERSION_MAJOR == 6 && SUNDIALS_VERSION_MINOR >= 6)
+#include <arkode/arkode_sprkstep.h>
+#define POLHODE_SPRKSTEP
+#endif
+
 namespace polhode::sundials {
 
 /// The calls of one of ARKODE's time steppers. From 7.1 on all share one set of names, before each has its
@@ -63,31 +68,128 @@ inline constexpr Carrier arkstep_calls = POLHODE_CARRIER(ARKode), erkstep_calls 
 inline constexpr Carrier arkstep_calls = POLHODE_CARRIER(ARKStep), erkstep_calls = POLHODE_CARRIER(ERKStep);
 #endif
 #undef POLHODE_CARRIER
+#ifdef POLHODE_SPRKSTEP
+#if SUNDIALS_VERSION_MAJOR > 7 || (SUNDIALS_VERSION_MAJOR == 7 && SUNDIALS_VERSION_MINOR >= 1)
+inline constexpr Carrier sprkstep_calls = arkstep_calls;
+#else  // without tolerances
+inline constexpr Carrier sprkstep_calls{SPRKStepEvolve,
+                                        SPRKStepReset,
+                                        [](void*, sunrealtype, sunrealtype) { return 0; },
+                                        SPRKStepSetUserData,
+                                        SPRKStepSetFixedStep,
+                                        [](void*, sunrealtype) { return 0; },
+                                        SPRKStepSetStopTime,
+                                        SPRKStepSetMaxNumSteps,
+                                        SPRKStepSetInterpolantType,
+                                        SPRKStepSetInterpolantDegree,
+                                        SPRKStepGetNumSteps,
+                                        [](void*, long* failures) { return static_cast<int>(*failures = 0); },
+                                        SPRKStepGetCurrentTime,
+                                        SPRKStepGetReturnFlagName,
+                                        SPRKStepFree};
+#endif
+#endif
 
-enum class CarriedBy { arkstep_explicit, arkstep_implicit, erkstep };
+enum class CarriedBy { arkstep_explicit, arkstep_implicit, erkstep, sprkstep };
+inline const Carrier& calls_of(CarriedBy by) {
+#ifdef POLHODE_SPRKSTEP
+  if (by == CarriedBy::sprkstep) return sprkstep_calls;
+#endif
+  return by == CarriedBy::erkstep ? erkstep_calls : arkstep_calls;
+}
+
+/// What a run does beside its table.
+enum class Way {
+  plain,
+  fixed_length_vectors,  // solvers/sundials_vector.hpp
+  relaxed                // each step is scaled so that it keeps the energy; SUNDIALS 6.6 and later
+};
+
+/// The energy of a scene in which it is kept, as relaxation asks for it.
+struct KeptEnergy {
+  Vec3 moments = Vec3::Ones();  // kg m^2
+  double mass = 1;              // kg
+
+  /// The gradient of the total energy E(y), which follows from E' = 0 along y' = d: the torque is I w' + w x
+  /// I w, and dE/dq = -2 q (0, torque) / |q|^2, since q' = q (0, w) / 2.
+  void gradient(const ErasedModel& model, const double* y, const double* d, double* g) const {
+    const bool rotates = model.size() != 6;
+    const int w_at = model.has_attitude() ? 4 : 0, p_at = rotates ? w_at + 3 : 0;
+    using In = Eigen::Map<const Vec3>;
+    using Out = Eigen::Map<Vec3>;
+    if (rotates) {
+      const In w(y + w_at), w_dot(d + w_at);
+      const Vec3 m = moments.cwiseProduct(w);
+      Out(g + w_at) = m;
+      if (w_at > 0) {
+        const Vec3 torque = moments.cwiseProduct(w_dot) + w.cross(m);
+        const Quaternion q(y[0], y[1], y[2], y[3]);
+        const Quaternion v = q * Quaternion(0, torque.x(), torque.y(), torque.z());
+        const double scale = -2 / q.squaredNorm();
+        g[0] = scale * v.w(), g[1] = scale * v.x(), g[2] = scale * v.y(), g[3] = scale * v.z();
+      }
+    }
+    if (model.size() >= p_at + 6) {
+      Out(g + p_at) = -mass * In(d + p_at + 3);
+      Out(g + p_at + 3) = mass * In(y + p_at + 3);
+    }
+  }
+};
 
 struct ArkodeDeleter {
   void (*free)(void**) = nullptr;
   void operator()(void* arkode) const { free(&arkode); }
 };
 
+/// A watch that also tells the energy and its gradient.
+class EnergyWatch : public Watch {
+ public:
+  EnergyWatch(std::unique_ptr<ErasedModel> model, const KeptEnergy& kept)
+      : Watch(std::move(model)), kept_(kept) {}
+
+  static int energy(N_Vector y, sunrealtype* e, void* user) {
+    *e = self(user).model().sample(0, NV_DATA_S(y)).total_energy;
+    return 0;
+  }
+  static int gradient(N_Vector y, N_Vector g, void* user) {
+    auto& w = self(user);
+    w.derivative_.resize(static_cast<std::size_t>(w.model().size()));
+    w.model().rhs(0, NV_DATA_S(y), w.derivative_.data());
+    w.kept_.gradient(w.model(), NV_DATA_S(y), w.derivative_.data(), NV_DATA_S(g));
+    return 0;
+  }
+
+ private:
+  static EnergyWatch& self(void* user) { return static_cast<EnergyWatch&>(*static_cast<Watch*>(user)); }
+  KeptEnergy kept_;
+  std::vector<double> derivative_;
+};
+
 /// One ARKODE object and the state that it hands out.
 class ArkodeLine {
  public:
-  /// table   the library's number of it, an ARKODE_ERKTableID or ARKODE_DIRKTableID
-  ArkodeLine(SUNContext context, Watch& watch, const Setting& setting, CarriedBy by, int table,
-             bool fixed_length_vectors)
-      : by_(by), calls_(by == CarriedBy::erkstep ? erkstep_calls : arkstep_calls) {
+  /// table   the library's number of it, an ARKODE_ERKTableID, ARKODE_DIRKTableID or ARKODE_SPRKMethodID
+  ArkodeLine(SUNContext context, EnergyWatch& watch, const Setting& setting, CarriedBy by, int table, Way way)
+      : by_(by), calls_(calls_of(by)) {
     const int size = watch.model().size();
-    y_ = serial_vector(size, context, fixed_length_vectors);
+    y_ = serial_vector(size, context, way == Way::fixed_length_vectors);
     std::ranges::copy(watch.model().initial(), state());
-    arkode_ = {by == CarriedBy::erkstep ? ERKStepCreate(Watch::rhs, 0, y_.get(), context)
-                                        : ARKStepCreate(explicit_rhs(), implicit_rhs(), 0, y_.get(), context),
-               ArkodeDeleter{calls_.free}};
+    arkode_ = {create(context), ArkodeDeleter{calls_.free}};
     if (!arkode_) throw std::bad_alloc();
     silence();
-    calls_.set_user_data(arkode_.get(), &watch);
-    if (by == CarriedBy::erkstep)
+    calls_.set_user_data(arkode_.get(), static_cast<Watch*>(&watch));
+#ifdef POLHODE_SPRKSTEP
+    if (way == Way::relaxed)
+      POLHODE_ARKODE(SetRelaxFn)(arkode_.get(), EnergyWatch::energy, EnergyWatch::gradient);
+    if (by == CarriedBy::sprkstep) {
+      const ARKodeSPRKTable method = ARKodeSPRKTable_Load(static_cast<ARKODE_SPRKMethodID>(table));
+      SPRKStepSetMethod(arkode_.get(), method);  // copies it
+      ARKodeSPRKTable_Free(method);
+      // 7.1 clears their vector at each start, whether it is there or not.
+      SPRKStepSetUseCompensatedSums(arkode_.get(), 1);
+    } else
+#endif
+        if (by == CarriedBy::erkstep)
       ERKStepSetTableNum(arkode_.get(), static_cast<ARKODE_ERKTableID>(table));
     else if (by == CarriedBy::arkstep_explicit)
       ARKStepSetTableNum(arkode_.get(), ARKODE_DIRK_NONE, static_cast<ARKODE_ERKTableID>(table));
@@ -116,7 +218,12 @@ class ArkodeLine {
   double* state() const { return NV_DATA_S(y_.get()); }
   /// Begins a run at t from what is in state(); counters at zero.
   void begin(double t) {
-    if (by_ == CarriedBy::erkstep)
+#ifdef POLHODE_SPRKSTEP
+    if (by_ == CarriedBy::sprkstep)
+      SPRKStepReInit(arkode_.get(), Watch::rhs_of_rates, Watch::rhs_of_places, t, y_.get());
+    else
+#endif
+        if (by_ == CarriedBy::erkstep)
       ERKStepReInit(arkode_.get(), Watch::rhs, t, y_.get());
     else
       ARKStepReInit(arkode_.get(), explicit_rhs(), implicit_rhs(), t, y_.get());
@@ -153,13 +260,26 @@ class ArkodeLine {
   std::string text(int flag) const { return flag_text("ARKODE", calls_.flag_name(flag)); }
 
  private:
+  void* create(SUNContext context) const {
+#ifdef POLHODE_SPRKSTEP
+    if (by_ == CarriedBy::sprkstep)
+      return SPRKStepCreate(Watch::rhs_of_rates, Watch::rhs_of_places, 0, y_.get(), context);
+#endif
+    if (by_ == CarriedBy::erkstep) return ERKStepCreate(Watch::rhs, 0, y_.get(), context);
+    return ARKStepCreate(explicit_rhs(), implicit_rhs(), 0, y_.get(), context);
+  }
   ARKRhsFn explicit_rhs() const { return by_ == CarriedBy::arkstep_implicit ? nullptr : Watch::rhs; }
   ARKRhsFn implicit_rhs() const { return by_ == CarriedBy::arkstep_implicit ? Watch::rhs : nullptr; }
   /// Prints nothing; from version 7 on the context does not.
   void silence() {
 #if SUNDIALS_VERSION_MAJOR < 7
     const auto nothing = [](int, const char*, const char*, char*, void*) {};
-    if (by_ == CarriedBy::erkstep)
+#ifdef POLHODE_SPRKSTEP
+    if (by_ == CarriedBy::sprkstep)
+      SPRKStepSetErrHandlerFn(arkode_.get(), nothing, nullptr);
+    else
+#endif
+        if (by_ == CarriedBy::erkstep)
       ERKStepSetErrHandlerFn(arkode_.get(), nothing, nullptr);
     else
       ARKStepSetErrHandlerFn(arkode_.get(), nothing, nullptr);
@@ -177,14 +297,16 @@ class ArkodeLine {
 /// ARKODE on one model, made once and initialised anew for each run.
 class Arkode {
  public:
-  Arkode(std::unique_ptr<ErasedModel> model, const Setting& setting, CarriedBy by, int table,
-         bool fixed_length_vectors)
-      : watch_(std::move(model)),
+  Arkode(std::unique_ptr<ErasedModel> model, const Setting& setting, CarriedBy by, int table, Way way,
+         const KeptEnergy& kept)
+      : watch_(std::move(model), kept),
         setting_(setting),
-        run_(context_.get(), watch_, setting, by, table, fixed_length_vectors),
-        branch_(setting.knob == Knob::steps ? nullptr
-                                            : std::make_unique<ArkodeLine>(context_.get(), watch_, setting,
-                                                                           by, table, fixed_length_vectors)),
+        relaxed_(way == Way::relaxed),
+        run_(context_.get(), watch_, setting, by, table, way),
+        branch_(setting.knob == Knob::steps
+                    ? nullptr
+                    : std::make_unique<ArkodeLine>(context_.get(), watch_, setting, by, table,
+                                                   relaxed_ ? Way::plain : way)),
         before_(watch_.model().initial().begin(), watch_.model().initial().end()) {
     if (branch_) branch_->limit_steps(1000);
   }
@@ -226,8 +348,11 @@ class Arkode {
   }
 
   void by_tolerance(const Grid& grid, Record& record, Trajectory& out) {
-    run_.stop_at(grid.end());
-    const int flag = grid.stretches.size() > 1 ? step_by_step(grid, record) : at_once(grid, record);
+    // A relaxed step ends where the energy says, at no asked time: the run goes past the end, and the branch,
+    // which is not relaxed, to the time itself.
+    if (!relaxed_) run_.stop_at(grid.end());
+    const int flag =
+        relaxed_ || grid.stretches.size() > 1 ? step_by_step(grid, record) : at_once(grid, record);
     out.work.steps = run_.steps();
     out.work.rejected_steps = run_.rejected_steps();
     if (flag < 0)
@@ -277,8 +402,9 @@ class Arkode {
     return there;
   }
 
-  Watch watch_;
+  EnergyWatch watch_;
   Setting setting_;
+  bool relaxed_;
   Owned<SUNContext> context_ = make_context();
   ArkodeLine run_;
   std::unique_ptr<ArkodeLine> branch_;

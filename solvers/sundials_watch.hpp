@@ -61,6 +61,20 @@ class Watch {
     return self.not_finite_ ? 1 : 0;
   }
 
+  /// The two halves of a right-hand side for a partitioned method: w' and v' alone, and q' and p' alone. A
+  /// pair of them counts as one.
+  static int rhs_of_rates(sunrealtype t, N_Vector y, N_Vector d, void* user) {
+    const int flag = rhs(t, y, d, user);
+    static_cast<Watch*>(user)->clear(NV_DATA_S(d), false);
+    return flag;
+  }
+  static int rhs_of_places(sunrealtype t, N_Vector y, N_Vector d, void* user) {
+    auto& self = *static_cast<Watch*>(user);
+    self.model_->rhs(t, NV_DATA_S(y), NV_DATA_S(d));
+    self.clear(NV_DATA_S(d), true);
+    return 0;
+  }
+
   /// Both libraries store columns one after another.
   static int jacobian(sunrealtype t, N_Vector y, N_Vector, SUNMatrix J, void* user, N_Vector, N_Vector,
                       N_Vector) {
@@ -72,6 +86,16 @@ class Watch {
 
  private:
   static constexpr std::int64_t calls_per_look = 1024;  // at the clock
+
+  /// Zeros in place of the derivatives of w and v, or of those of q and p.
+  void clear(double* d, bool rates) const {
+    const std::size_t w_at = model_->has_attitude() ? 4 : 0;
+    const bool rotates = size_ != 6;
+    for (std::size_t i = 0; i < size_; ++i) {
+      const bool is_rate = rotates && i < w_at + 3 ? i >= w_at : (i - (rotates ? w_at + 3 : 0)) >= 3;
+      if (is_rate == rates) d[i] = 0;
+    }
+  }
 
   std::unique_ptr<ErasedModel> model_;
   std::size_t size_;

@@ -112,6 +112,13 @@ TEST(Command, FullDiskIsToldNotIgnored) {
   EXPECT_EQ(r.exit_code, 73) << r.err;
 }
 
+TEST(Command, HelpHasAShortName) {
+  EXPECT_EQ(polhode_command("-h").out, polhode_command("--help").out);
+  const CommandResult verb = polhode_command("drift -h");
+  EXPECT_EQ(verb.exit_code, 0) << verb.err;
+  EXPECT_THAT(verb.out, testing::HasSubstr("--h H"));
+}
+
 TEST(Command, HelpNamesEveryVerb) {
   const CommandResult r = polhode_command("--help");
   EXPECT_EQ(r.exit_code, 0);
