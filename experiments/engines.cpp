@@ -10,9 +10,12 @@
 // whatever its size, so rungs of more than 10000 steps take the time of the last that was measured.
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
+#include "experiments/fit.hpp"
 #include "experiments/grid.hpp"
 #include "experiments/interrupt.hpp"
 #include "experiments/question.hpp"
@@ -172,13 +175,18 @@ std::string verdict_of(const Scene& scene, const Ladder& ladder, bool has_floor)
   else
     out += fmt::format(", energy {}: {:.2g} % at {}", first->energy_gain > 0 ? "gained" : "lost",
                        100 * std::abs(first->energy_gain), knob_text(scene, *first));
-  if (first->knob == Knob::steps && converges &&
-      first != last) {  // from the coarse end, where rounding is far
-    const Rung& second = *(first + 1);
-    if (second.run.outcome == Outcome::ok && second.errors.attitude_max > rounding)
-      out += fmt::format("; order {:.1f} in attitude", slope(*first, second, &Errors::attitude_max));
-    if (second.run.outcome == Outcome::ok && second.errors.energy_max > rounding)
-      out += fmt::format(", {:.1f} in energy", slope(*first, second, &Errors::energy_max));
+  if (first->knob == Knob::steps && converges) {
+    const char* separator = "; order ";
+    for (const auto& [member, of] :
+         {std::pair{&Errors::attitude_max, "attitude"}, {&Errors::energy_max, "energy"}}) {
+      std::vector<double> h, errors;
+      for (const Rung& r : ladder.rungs)
+        if (r.run.outcome == Outcome::ok)
+          h.push_back(scene.duration / r.value), errors.push_back(r.errors.*member);
+      // From a third on, of a radian or of the energy, an error is no longer a power of the step.
+      if (const auto order = observed_order(h, errors, rounding, 0.3))
+        out += fmt::format("{}{:.1f} in {}", std::exchange(separator, ", "), order->slope, of);
+    }
   }
   // Away from the floor of doubles, an attitude that smaller steps make worse is the rounding of the engine.
   const Rung* best = best_of(ladder, &Errors::attitude_max);

@@ -118,7 +118,8 @@ Results read_results(const std::filesystem::path& folder) {
   r.stability = read("stability.csv");
   r.stability_map = read("stability_map.csv");
   r.solver_table = read("solvers.csv");
-  const CsvTable scene_table = read("scenes.csv");
+  const CsvTable scene_table = read("scenes.csv"), engines = read("engines.csv"),
+                 extremes = read("extremes.csv"), tolerance = read("tolerance.csv");
 
   std::vector<std::string> scene_ids, all;
   std::set<std::string> seen_scenes, seen_solvers, used;
@@ -126,8 +127,10 @@ Results read_results(const std::filesystem::path& folder) {
     append_new(scene_ids, seen_scenes, scene_table.text(i, "scene"));
   for (std::size_t i = 0; i < r.solver_table.rows(); ++i)
     append_new(all, seen_solvers, r.solver_table.text(i, "solver"));
-  for (const CsvTable* t : {&r.work_precision, &r.convergence, &r.orders, &r.drift, &r.drift_verdict,
-                            &r.stability, &r.stability_map})
+  const CsvTable* const with_solvers[] = {&r.work_precision, &r.convergence, &r.orders,        &r.drift,
+                                          &r.drift_verdict,  &r.stability,   &r.stability_map, &engines,
+                                          &extremes,         &tolerance};
+  for (const CsvTable* t : with_solvers)
     for (std::size_t i = 0; i < t->rows(); ++i) {
       if (t->has("scene")) append_new(scene_ids, seen_scenes, t->text(i, "scene"));
       append_new(all, seen_solvers, t->text(i, "solver"));
