@@ -108,24 +108,29 @@ bool order_met(double claimed, double order, double order_error) {
 
 std::string orders_sentence(const Results& results, const SceneCard& scene) {
   const CsvTable& t = results.orders;
-  std::size_t with_claim = 0, met = 0, worst = 0;
-  double farthest = -1;
+  std::size_t with_claim = 0, met = 0, above = 0, worst = 0;
+  double shortest = 0;  // by how much an order falls short of its claim
   for (const std::size_t i : Results::rows_of(t, scene.id)) {
     const double claimed = t.number(i, "claimed"), order = t.number(i, "order");
     if (!std::isfinite(claimed) || !std::isfinite(order)) continue;
     ++with_claim;
-    if (order_met(claimed, order, t.number(i, "order_error"))) ++met;
-    if (std::abs(order - claimed) > farthest) farthest = std::abs(order - claimed), worst = i;
+    const bool is_met = order_met(claimed, order, t.number(i, "order_error"));
+    met += is_met;
+    above += !is_met && order > claimed;
+    if (!is_met && claimed - order > shortest) shortest = claimed - order, worst = i;
   }
   if (with_claim == 0) return "No order was claimed and fitted on this scene.";
-  std::string text = met == with_claim
-                         ? fmt::format("{} with a claim {} it.", pretty_count(with_claim, "fitted order"),
-                                       with_claim == 1 ? "meets" : "all meet")
-                         : fmt::format("{} of {} with a claim {} it.", met,
-                                       pretty_count(with_claim, "fitted order"), met == 1 ? "meets" : "meet");
-  text += fmt::format(" Farthest off is {} in {}: {:.2f} where {} is claimed.", t.text(worst, "solver"),
-                      t.text(worst, "quantity"), t.number(worst, "order"), t.text(worst, "claimed"));
-  return text;
+  if (met == with_claim)
+    return fmt::format("{} with a claim {} it.", pretty_count(with_claim, "fitted order"),
+                       with_claim == 1 ? "meets" : "all meet");
+  std::string text = fmt::format("{} of {} with a claim {} it", met, pretty_count(with_claim, "fitted order"),
+                                 met == 1 ? "meets" : "meet");
+  // A claim holds for every scene, also under a torque and where the body is least symmetric.
+  if (above > 0) text += fmt::format(", {} {} above it", above, above == 1 ? "is" : "are");
+  if (met + above == with_claim) return text + ".";
+  return text + fmt::format(", {} below. Farthest below is {} in {}: {:.2f} where {} is claimed.",
+                            with_claim - met - above, t.text(worst, "solver"), t.text(worst, "quantity"),
+                            t.number(worst, "order"), t.text(worst, "claimed"));
 }
 
 std::string drift_sentence(const Results& results, const SceneCard& scene, std::string_view column,
