@@ -105,12 +105,14 @@ Asked asked_of(const Options& options, const Scene& scene, const Norm& norm) {
   Asked a;
   const std::string unit = norm.unit.empty() ? "" : " " + std::string(norm.unit);
   a.goal.error = options.error;
-  a.goal.budget_s = options.budget_s;
+  if (!options.error) a.goal.budget_s = options.budget_s;  // beside an error: a limit of what is told
   std::int64_t samples = 16;
   double end = scene.duration;
   if (options.error)
     a.aim = fmt::format("{} error of at most {}{}", norm.name, shortest(*options.error), unit);
-  if (options.budget_s)
+  if (options.budget_s && options.error)
+    a.aim += fmt::format(" within {} of CPU time", duration_text(*options.budget_s));
+  else if (options.budget_s)
     a.aim = fmt::format("least {} error within {} of CPU time", norm.name, duration_text(*options.budget_s));
   if (options.engine_step) {
     const double h = *options.engine_step;
@@ -229,6 +231,15 @@ int advise_on_scene(const Options& options) {
     if (ids.empty()) return;
     notes += fmt::format("{} {}{}\n", ids.size(), what, options.verbose ? ": " + name_list(ids) : "");
   };
+  if (options.error && options.budget_s) {
+    std::vector<std::string> over;
+    std::erase_if(ranked, [&](const Advice& a) {
+      const bool is_over = a.timing.min > *options.budget_s;
+      if (is_over) over.push_back(a.solver);
+      return is_over;
+    });
+    note(over, "get there in more than that time");
+  }
   note(slow, asked.goal.budget_s ? "are too slow for that time" : "are far slower");
   note(missed, "do not get there");
   note(failed, "fail on this scene");
@@ -291,7 +302,8 @@ int advise_on_folder(const Options& options) {
     a.timing = {table.number(i, "time_min_s"), table.number(i, "time_median_s"),
                 table.number(i, "time_mad_s"), 1};
     if (!(a.timing.min > 0) || !std::isfinite(a.error)) continue;
-    if (options.error ? a.error > *options.error : a.timing.min > *options.budget_s) continue;
+    if (options.error && a.error > *options.error) continue;
+    if (options.budget_s && a.timing.min > *options.budget_s) continue;
     for (const Knob k : {Knob::steps, Knob::tolerance, Knob::none})
       if (table.text(i, "knob") == name_of(k)) a.knob = k;
     if (a.knob != Knob::none) a.value = table.number(i, "knob_value");
@@ -314,11 +326,11 @@ int advise_on_folder(const Options& options) {
   for (Advice& a : all)
     if (std::ranges::none_of(ranked, [&a](const Advice& b) { return a.solver == b.solver; }))
       ranked.push_back(std::move(a));
-  const std::string aim = options.error
-                              ? fmt::format("{} error of at most {}, as measured in {}", norm->name,
-                                            shortest(*options.error), folder.string())
-                              : fmt::format("least {} error within {}, as measured in {}", norm->name,
-                                            duration_text(*options.budget_s), folder.string());
+  std::string aim = options.error
+                        ? fmt::format("{} error of at most {}", norm->name, shortest(*options.error))
+                        : fmt::format("least {} error", norm->name);
+  if (options.budget_s) aim += " within " + duration_text(*options.budget_s);
+  aim += ", as measured in " + folder.string();
   print(options, ranked, scene, *norm, aim, options.error.has_value(), "");
   return ranked.empty() ? 1 : 0;
 }

@@ -87,7 +87,6 @@ Options options_of(const Typed& typed, const CLI::App& verb) {
   exclusive("--h", "--rtol");
   exclusive("--times", "--samples");
   exclusive("--budget", "--engine-step");
-  exclusive("--budget", "--error");
   exclusive("--quiet", "--verbose");
   constexpr double tiny = 1e-300, huge = 1e300;
   Options o;
