@@ -10,6 +10,7 @@
 #include "experiments/question.hpp"
 #include "models/closed_form.hpp"
 #include "solvers/engines/engines.hpp"
+#include "tests/sanitized.hpp"
 
 namespace polhode {
 
@@ -68,6 +69,7 @@ TEST_P(Claims, OrdersAreMeasured) {
                       (claims().energy_order >= 0) + (claims().momentum_order >= 0);
   EXPECT_TRUE(method().by_steps || claimed == 0) << "an order is claimed that no knob can measure";
   if (claimed == 0) return;
+  if (sanitized && !method().in_studies) return;  // the code of another row, with another table
   Plan plan;
   plan.scenes = {read_scene(std::string(POLHODE_TESTS) + "/scenes/claims.toml")};
   plan.methods = {GetParam()};
