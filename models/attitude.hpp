@@ -10,7 +10,6 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
-#include <Eigen/SVD>
 
 namespace polhode {
 
@@ -90,12 +89,7 @@ Mat3T<S> rotation_matrix(const QuaternionT<S>& q) {
 }
 
 /// The proper rotation nearest to m in the Frobenius norm (polar factor by SVD); det = +1 always.
-inline Mat3 nearest_rotation(const Mat3& m) {
-  if (!m.allFinite()) return m;
-  const Eigen::JacobiSVD<Mat3> svd(m, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1.0 : 1.0;
-  return svd.matrixU() * Vec3(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
-}
+Mat3 nearest_rotation(const Mat3& m);
 
 /// Unit quaternion of a rotation matrix (the branch with the largest component, so no cancellation); w >= 0
 /// is not enforced. m must be a rotation; project it first if it is not.

@@ -8,10 +8,12 @@
 // included. Asked times are read off the polynomial. Source: Hairer & Wanner, Solving ODEs II (1996), IV.8.
 #pragma once
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <span>
+#include <utility>
+#include <vector>
 
 #include <Eigen/LU>
 
@@ -20,23 +22,33 @@
 
 namespace polhode {
 
-template <class M>
+/// In number type S. The equations are asked through a function: beside arithmetic in software its call is
+/// nothing, and one instance serves all models.
+template <class S>
 class RadauRun {
  public:
-  using S = typename M::Scalar;
-  using State = typename M::State;
-  static constexpr int n = M::size;
+  using State = std::vector<S>;
 
   /// doubles   the same equations in double precision, for the Jacobian
+  template <class M>
   RadauRun(const M& m, const ErasedModel& doubles, int stages)
-      : m_(m), doubles_(doubles), table_(stages), s_(stages) {}
+      : rhs_([&m](const S& t, const S* y, S* d) { m.rhs(t, y, d); }),
+        n_(M::size),
+        doubles_(doubles),
+        table_(stages),
+        s_(stages) {
+    if constexpr (M::has_attitude) parts_.push_back({0, 4});
+    if constexpr (M::has_rotation) parts_.push_back({M::Rotating::w_at, M::Rotating::size});
+    if constexpr (M::has_translation) {
+      parts_.push_back({M::rotation_size, M::rotation_size + 3});
+      parts_.push_back({M::rotation_size + 3, M::rotation_size + 6});
+    }
+  }
 
   /// Goes from (t, y) through the asked times (increasing, >= t), calling visit(time, state) at each. Returns
   /// the steps, or -1 if it took more than `step_limit` or found no step size; t and y are where it stands.
-  template <class Visit>
-  std::int64_t run(S& t, State& y, std::span<const double> times, double tolerance, std::int64_t step_limit,
-                   const Visit& visit) {
-    largest_.fill(0);
+  std::int64_t run(S& t, std::span<S> y, std::span<const double> times, double tolerance,
+                   std::int64_t step_limit, const std::function<void(const S&, std::span<const S>)>& visit) {
     std::size_t next = 0;
     for (; next < times.size() && S(times[next]) <= t; ++next) visit(t, y);
     if (next == times.size()) return 0;
@@ -59,7 +71,7 @@ class RadauRun {
       }
       for (; next < times.size() && S(times[next]) <= t + h; ++next)
         visit(S(times[next]), inside(y, S((S(times[next]) - t) / h)));
-      for (int i = 0; i < n; ++i) y[std::size_t(i)] += z_(i, s_ - 1);
+      for (int i = 0; i < n_; ++i) y[std::size_t(i)] += z_(i, s_ - 1);
       t += h;
       h *= S(std::clamp(factor, 0.2, 4.0));
       ++steps;
@@ -68,33 +80,31 @@ class RadauRun {
   }
 
  private:
-  using Stages = Eigen::Matrix<S, n, Eigen::Dynamic>;
+  using Stages = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
+  using Scales = std::vector<double>;
 
-  static std::array<double, n> narrowed(const State& y) {
-    std::array<double, n> x;
-    for (std::size_t i = 0; i < n; ++i) x[i] = static_cast<double>(y[i]);
-    return x;
-  }
-  Eigen::MatrixXd jacobian(double t, const State& y) const {
-    Eigen::MatrixXd J(n, n);
-    doubles_.jacobian(t, narrowed(y).data(), J.data());
+  Eigen::MatrixXd jacobian(double t, std::span<const S> y) const {
+    Eigen::MatrixXd J(n_, n_);
+    Eigen::VectorXd narrowed(n_);
+    for (int i = 0; i < n_; ++i) narrowed[i] = static_cast<double>(y[std::size_t(i)]);
+    doubles_.jacobian(t, narrowed.data(), J.data());
     return J;
   }
-  double largest_rate(double t, const State& y) const {
+  double largest_rate(double t, std::span<const S> y) const {
     return jacobian(t, y).cwiseAbs().rowwise().sum().maxCoeff();
   }
 
-  State stage(const State& y, int j) const {
-    State x;
-    for (int i = 0; i < n; ++i) x[std::size_t(i)] = y[std::size_t(i)] + z_(i, j);
+  State stage(std::span<const S> y, int j) const {
+    State x(y.size());
+    for (int i = 0; i < n_; ++i) x[std::size_t(i)] = y[std::size_t(i)] + z_(i, j);
     return x;
   }
 
   /// What differences are measured by: the length of each part of the state. One that has died out, to 1e-40
   /// of what it was, is zero.
-  std::array<double, n> scales(const State& y) {
-    std::array<double, n> scale;
-    const auto part = [&](int from, int to) {
+  Scales scales(std::span<const S> y) {
+    Scales scale(y.size());
+    for (const auto& [from, to] : parts_) {
       S largest(0);
       for (int i = from; i < to; ++i) {
         using std::abs;
@@ -103,59 +113,50 @@ class RadauRun {
       }
       for (int i = from; i < to; ++i)
         scale[std::size_t(i)] = largest > S(0) ? static_cast<double>(largest) : 1;
-    };
-    if constexpr (M::has_attitude) part(0, 4);
-    if constexpr (M::has_rotation) part(M::Rotating::w_at, M::Rotating::size);
-    if constexpr (M::has_translation) {
-      part(M::rotation_size, M::rotation_size + 3);
-      part(M::rotation_size + 3, M::rotation_size + 6);
     }
     return scale;
   }
 
   /// The stages of the step from (t, y) as differences z from y. False: Newton's method does not converge.
-  bool solve(const S& t, const State& y, const S& h) {
-    z_ = Stages::Zero(n, s_);
-    Stages f(n, s_);
+  bool solve(const S& t, std::span<const S> y, const S& h) {
+    z_ = Stages::Zero(n_, s_);
+    Stages f(n_, s_);
     Eigen::PartialPivLU<Eigen::MatrixXd> lu;
     const double h_double = static_cast<double>(h);
     double before = std::numeric_limits<double>::infinity(), ratio = 1;
     for (int iteration = 0; iteration < 30; ++iteration) {
       for (int j = 0; j < s_; ++j) {
-        State d;
-        const State x = stage(y, j);
-        m_.rhs(S(t + table_.c[std::size_t(j)] * h), x.data(), d.data());
-        for (int i = 0; i < n; ++i) f(i, j) = d[std::size_t(i)];
+        rhs_(S(t + table_.c[std::size_t(j)] * h), stage(y, j).data(), f.col(j).data());
       }
-      const Stages residual = z_ - h * (f * table_.a.transpose());
+      const Stages residual = z_ - h * f.lazyProduct(table_.a.transpose());
       if (iteration < 3 || ratio > 1e-3) {
-        Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n * s_, n * s_);
+        Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n_ * s_, n_ * s_);
         for (int j = 0; j < s_; ++j) {
           const Eigen::MatrixXd J =
               jacobian(static_cast<double>(S(t + table_.c[std::size_t(j)] * h)), stage(y, j));
           for (int i = 0; i < s_; ++i)
-            matrix.block(i * n, j * n, n, n) -= h_double * static_cast<double>(table_.a(i, j)) * J;
+            matrix.block(i * n_, j * n_, n_, n_) -= h_double * static_cast<double>(table_.a(i, j)) * J;
         }
         lu.compute(matrix);
       }
       // Scaled to the range of doubles: late residuals lie far below it otherwise.
       S largest(0);
       for (int j = 0; j < s_; ++j)
-        for (int i = 0; i < n; ++i) {
+        for (int i = 0; i < n_; ++i) {
           using std::abs;
           largest = std::max(largest, S(abs(residual(i, j))));
         }
       if (!(largest > S(0))) return true;
-      Eigen::VectorXd right(n * s_);
+      Eigen::VectorXd right(n_ * s_);
       for (int j = 0; j < s_; ++j)
-        for (int i = 0; i < n; ++i) right[j * n + i] = static_cast<double>(S(residual(i, j) / largest));
+        for (int i = 0; i < n_; ++i) right[j * n_ + i] = static_cast<double>(S(residual(i, j) / largest));
       const Eigen::VectorXd change = lu.solve(right);
       if (!change.allFinite()) return false;
       double size = 0;
       const auto scale = scales(y);
       for (int j = 0; j < s_; ++j)
-        for (int i = 0; i < n; ++i) {
-          const S step = largest * S(change[j * n + i]);
+        for (int i = 0; i < n_; ++i) {
+          const S step = largest * S(change[j * n_ + i]);
           z_(i, j) -= step;
           size = std::max(size, std::abs(static_cast<double>(step)) / scale[std::size_t(i)]);
         }
@@ -169,10 +170,10 @@ class RadauRun {
   static double epsilon() { return static_cast<double>(std::numeric_limits<S>::epsilon()); }
 
   /// What the polynomial of the step misses, relative to the state.
-  double truncation(const State& y) {
+  double truncation(std::span<const S> y) {
     const auto scale = scales(y);
     double worst = 0;
-    for (int i = 0; i < n; ++i) {
+    for (int i = 0; i < n_; ++i) {
       S top(0), next = table_.lower[0] * z_(i, 0);
       for (int j = 0; j < s_; ++j) top += table_.weights[std::size_t(j) + 1] * z_(i, j);
       for (int j = 1; j < s_; ++j) next += table_.lower[std::size_t(j)] * z_(i, j);
@@ -185,27 +186,28 @@ class RadauRun {
   }
 
   /// The collocation polynomial at a fraction of the step.
-  State inside(const State& y, const S& fraction) const {
-    State x = y;
+  State inside(std::span<const S> y, const S& fraction) const {
+    State x(y.begin(), y.end());
     S sum(0);
     std::vector<S> parts;
     for (std::size_t k = 0; k < table_.nodes.size(); ++k) {
       const S gap = fraction - table_.nodes[k];
-      if (gap == S(0)) return k == 0 ? y : stage(y, static_cast<int>(k) - 1);
+      if (gap == S(0)) return k == 0 ? x : stage(y, static_cast<int>(k) - 1);
       parts.push_back(table_.weights[k] / gap);
       sum += parts.back();
     }
-    for (int i = 0; i < n; ++i)
+    for (int i = 0; i < n_; ++i)
       for (int j = 0; j < s_; ++j) x[std::size_t(i)] += parts[std::size_t(j) + 1] / sum * z_(i, j);
     return x;
   }
 
-  const M& m_;
+  std::function<void(const S&, const S*, S*)> rhs_;
+  int n_;
+  std::vector<std::pair<int, int>> parts_;  // from, to: measured together
   const ErasedModel& doubles_;
   RadauTable<S> table_;
   int s_;
   Stages z_;
-  std::array<double, n> largest_{};  // of each part, at its first place
 };
 
 }  // namespace polhode

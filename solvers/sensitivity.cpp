@@ -20,13 +20,20 @@ constexpr std::int64_t step_limit = 20'000;  // half a second
 
 /// The state a time later where nothing turns the body: by its closed form, in a type wide enough for a
 /// million turns. The rest of the state is left as it is.
+/// Attitude and rate a time later where nothing turns the body: by its closed form, in a type wide enough for
+/// a million turns.
+FreeRotation<Wide>::State free_state(const RotationData& r, const QuaternionT<Wide>& q, const Vec3T<Wide>& w,
+                                     const Wide& later) {
+  return FreeRotation<Wide>(r.moments, q, w).at(later);
+}
+
+/// The same for the state of a model; the rest of the state is left as it is.
 template <class M>
-typename M::State free_state(const RotationData& r, typename M::State y, const Wide& later) {
+typename M::State state_later(const RotationData& r, typename M::State y, const Wide& later) {
   using S = typename M::Scalar;
   QuaternionT<Wide> q(Wide(1), Wide(0), Wide(0), Wide(0));
   if constexpr (M::has_attitude) q = M::Rotating::attitude_of(y.data()).template cast<Wide>();
-  const Vec3T<Wide> w = M::Rotating::w_of(y.data()).template cast<Wide>();
-  const auto x = FreeRotation<Wide>(r.moments, q, w).at(later);
+  const auto x = free_state(r, q, Vec3T<Wide>(M::Rotating::w_of(y.data()).template cast<Wide>()), later);
   if constexpr (M::has_attitude) {
     const Wide numbers[] = {x.q.w(), x.q.x(), x.q.y(), x.q.z()};
     for (std::size_t i = 0; i < 4; ++i) y[i] = static_cast<S>(numbers[i]);
@@ -45,7 +52,7 @@ Sensitivity follow(const M& m, const Scene& scene, std::span<const double> times
   const int size = result.attitude + 3;
   TaylorSeries<M> series(m, order);
   std::unique_ptr<ErasedModel> doubles;
-  std::optional<RadauRun<M>> implicit;
+  std::optional<RadauRun<S>> implicit;
   if (is_stiff(scene, times)) {
     doubles = erased_model(scene);
     implicit.emplace(m, *doubles, implicit_stages);
@@ -55,12 +62,14 @@ Sensitivity follow(const M& m, const Scene& scene, std::span<const double> times
     std::vector<State> reached;
     if (scene.rotation->loads.empty()) {
       for (const double t : times.subspan(from + 1))
-        reached.push_back(free_state<M>(*scene.rotation, y, Wide(t) - Wide(times[from])));
+        reached.push_back(state_later<M>(*scene.rotation, y, Wide(t) - Wide(times[from])));
       return reached;
     }
     S t(times[from]);
     const auto later = times.subspan(from + 1);
-    const auto keep = [&](const S&, const State& there) { reached.push_back(there); };
+    const auto keep = [&](const S&, std::span<const S> there) {
+      std::copy(there.begin(), there.end(), reached.emplace_back().begin());
+    };
     const std::int64_t steps = implicit ? implicit->run(t, y, later, implicit_tolerance, step_limit, keep)
                                         : taylor_run(series, t, y, later, log2_tolerance, step_limit, keep);
     if (steps < 0) result.known = false;

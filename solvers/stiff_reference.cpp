@@ -31,11 +31,13 @@ Truth implicit_solution(const Scene& scene, std::span<const double> times) {
     using M = std::remove_cvref_t<decltype(m)>;
     const auto run = [&](int stages, double tolerance, std::vector<WideSample>& samples) {
       Wide t(0);
-      typename M::State y = m.initial;
+      typename M::State y = m.initial, there;
       const std::int64_t steps =
-          RadauRun<M>(m, *doubles, stages)
-              .run(t, y, times, tolerance, step_limit,
-                   [&](const Wide& at, const auto& state) { samples.push_back(wide_sample(m, at, state)); });
+          RadauRun<Wide>(m, *doubles, stages)
+              .run(t, y, times, tolerance, step_limit, [&](const Wide& at, auto state) {
+                std::copy(state.begin(), state.end(), there.begin());
+                samples.push_back(wide_sample(m, at, there));
+              });
       if (steps < 0)
         throw Error(70, "the implicit reference solution found no acceptable step at t = " +
                             std::to_string(t.convert_to<double>()) + " s");

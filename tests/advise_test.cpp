@@ -77,10 +77,11 @@ TEST(Advise, OfThoseThatReachTheErrorABudgetKeepsTheFastOnes) {
       polhode_command(std::string("advise hairer-vilmart --error 1e-4 --budget 0.001ns --quick ") + few);
   EXPECT_EQ(none.exit_code, 1) << none.out;
   EXPECT_THAT(none.out + none.err, testing::HasSubstr("more than that time"));
-  const auto all = advice(std::string("hairer-vilmart --error 1e-4 --quick ") + few),
-             kept = advice(std::string("hairer-vilmart --error 1e-4 --budget 10s --quick ") + few);
-  ASSERT_FALSE(all.empty());
-  EXPECT_EQ(kept.size(), all.size());
+  // How many are left out as far slower is up to the clock; the fastest is not.
+  const auto kept = advice(std::string("hairer-vilmart --error 1e-4 --budget 10s --quick ") + few);
+  ASSERT_FALSE(kept.empty());
+  EXPECT_EQ(kept[0]["solver"], "exact");
+  for (const auto& row : kept) EXPECT_LE(row["time_min_s"], 10) << row;
 }
 
 TEST(Advise, KeepsABudgetAndAStep) {
