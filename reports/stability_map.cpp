@@ -98,32 +98,46 @@ Lattice lattice_of(const std::vector<MapCell>& map, std::string_view axis) {
 class Drawing {
  public:
   void add(std::string_view kind, std::string_view axis, double x1, double x2, double y1, double y2,
-           double growth = NAN) {
+           std::string_view shade = {}) {
     kinds_.insert({std::string(axis), std::string(kind)});
-    data_ += fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g}", kind, axis, x1, x2, y1, y2);
-    data_ += std::isfinite(growth) ? fmt::format(",{:.4g},{:.4g}\n", growth, shade(growth)) : ",,\n";
+    data_ += fmt::format("{},{},{:.6g},{:.6g},{:.6g},{:.6g},{}\n", kind, axis, x1, x2, y1, y2, shade);
   }
   bool has(const std::string& axis, const std::string& kind) const { return kinds_.contains({axis, kind}); }
-  std::string csv() const { return "kind,axis,x1,x2,y1,y2,energy_growth_per_step,shade\n" + data_; }
+  std::string csv() const { return "kind,axis,x1,x2,y1,y2,shade\n" + data_; }
 
  private:
   std::set<std::pair<std::string, std::string>> kinds_;
   std::string data_;
 };
 
+/// "0.4237"; "" where the solver ended without a number.
+std::string shade_text(const MapCell& c) {
+  return std::isfinite(c.growth) ? fmt::format("{:.4f}", shade(c.growth)) : "";
+}
+
 void draw(Drawing& out, const Lattice& l, std::string_view axis) {
   const auto grows = [&](std::size_t x, std::size_t y) { return l.cells[x][y] && l.cells[x][y]->grows; };
-  for (std::size_t x = 0; x < l.cells.size(); ++x)
-    for (std::size_t y = 0; y < l.cells[x].size(); ++y) {
-      const MapCell* c = l.cells[x][y];
+  for (std::size_t x = 0; x < l.cells.size(); ++x) {
+    const double x1 = l.x[x], x2 = l.x[x + 1];
+    const auto& column = l.cells[x];
+    // Cells of one colour above each other are one rectangle: half of a picture's size otherwise.
+    for (std::size_t y = 0, top; y < column.size(); y = top) {
+      top = y + 1;
+      if (!column[y]) continue;
+      const std::string colour = shade_text(*column[y]);
+      while (top < column.size() && column[top] && shade_text(*column[top]) == colour) ++top;
+      out.add(colour.empty() ? "failed" : "cell", axis, x1, x2, l.y[y], l.y[top], colour);
+    }
+    for (std::size_t y = 0; y < column.size(); ++y) {
+      const MapCell* c = column[y];
       if (!c) continue;
-      const double x1 = l.x[x], x2 = l.x[x + 1], y1 = l.y[y], y2 = l.y[y + 1];
-      out.add(std::isfinite(c->growth) ? "cell" : "failed", axis, x1, x2, y1, y2, c->growth);
+      const double y1 = l.y[y], y2 = l.y[y + 1];
       if (c->outcome == "clamped" || c->outcome == "asleep") out.add(c->outcome, axis, x1, x2, y1, y2);
       if (x + 1 < l.cells.size() && grows(x, y) != grows(x + 1, y)) out.add("edge", axis, x2, x2, y1, y2);
-      if (y + 1 < l.cells[x].size() && grows(x, y) != grows(x, y + 1)) out.add("edge", axis, x1, x2, y2, y2);
+      if (y + 1 < column.size() && grows(x, y) != grows(x, y + 1)) out.add("edge", axis, x1, x2, y2, y2);
       if (c->theory > y1 && c->theory <= y2) out.add("theory", axis, x1, x2, c->theory, c->theory);
     }
+  }
 }
 
 /// The plot of one axis: what its data have rows of, as gnuplot complains about clauses without points.
@@ -135,8 +149,8 @@ std::string panel(const Drawing& drawing, const std::string& file, const std::st
   const std::string x = fmt::format("({}+{})/2", x1, x2), y = fmt::format("(sqrt({}*{}))", y1, y2);
   const auto box = [&](const char* kind, const char* shade, const char* colour) {
     return fmt::format(
-        "{}:{}:({}):({}):({}):({}){} with boxxyerror fillstyle solid 1.0 linewidth 0.3 linecolor {}",
-        of(kind, x), y, x1, x2, y1, y2, shade, colour);
+        "{}:{}:({}):({}):({}):({}){} with boxxyerror fillstyle solid 1.0 noborder linecolor {}", of(kind, x),
+        y, x1, x2, y1, y2, shade, colour);
   };
   const auto mark = [&](const char* kind, const char* sign) {
     return fmt::format("{}:{} with points pointtype '{}' linecolor rgb '#444444'", of(kind, x), y, sign);

@@ -6,7 +6,10 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -267,6 +270,21 @@ TEST_F(Report, EveryFigureIsDrawnOrANoteSaysWhyNot) {
   // Work, evaluations, convergence, energy drift, stability and its map; the momentum has nothing but noise
   // below any axis.
   EXPECT_EQ(scripts, 6);
+  // Cells of one colour above each other are one rectangle, and together they cover their columns once: four
+  // steps with a decade from each to the next, half of one beyond the first and the last.
+  const CsvTable drawn = parse_csv(contents(folder_ / "figures/stability-map-rk4.csv"));
+  std::map<std::string, std::vector<std::string>> shades;
+  std::map<std::string, double> decades;
+  for (std::size_t i = 0; i < drawn.rows(); ++i)
+    if (const auto kind = drawn.text(i, "kind"); kind == "cell" || kind == "failed") {
+      shades[drawn.text(i, "axis")].push_back(drawn.text(i, "shade"));
+      decades[drawn.text(i, "axis")] += std::log10(drawn.number(i, "y2") / drawn.number(i, "y1"));
+    }
+  EXPECT_THAT(shades["least"], ::testing::SizeIs(3));   // keeps twice, loses, blew up
+  EXPECT_THAT(shades["middle"], ::testing::SizeIs(4));  // keeps, gains, gains most, no number
+  EXPECT_EQ(shades["middle"].back(), "");
+  EXPECT_NEAR(decades["least"], 4, 1e-5);  // six digits are written
+  EXPECT_NEAR(decades["middle"], 4, 1e-5);
   if (outcome_.figures == scripts) {
     EXPECT_THAT(outcome_.notes, ::testing::IsEmpty());
     // One column of a page is 84 mm wide, two are 174 mm: 317 and 657 px of 1/96 inch.
