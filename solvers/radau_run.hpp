@@ -125,9 +125,8 @@ class RadauRun {
     const double h_double = static_cast<double>(h);
     double before = std::numeric_limits<double>::infinity(), ratio = 1;
     for (int iteration = 0; iteration < 30; ++iteration) {
-      for (int j = 0; j < s_; ++j) {
+      for (int j = 0; j < s_; ++j)
         rhs_(S(t + table_.c[std::size_t(j)] * h), stage(y, j).data(), f.col(j).data());
-      }
       const Stages residual = z_ - h * f.lazyProduct(table_.a.transpose());
       if (iteration < 3 || ratio > 1e-3) {
         Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n_ * s_, n_ * s_);

@@ -18,8 +18,6 @@ constexpr int implicit_stages = 11;  // where it is stiff
 constexpr double implicit_tolerance = 1e-17;
 constexpr std::int64_t step_limit = 20'000;  // half a second
 
-/// The state a time later where nothing turns the body: by its closed form, in a type wide enough for a
-/// million turns. The rest of the state is left as it is.
 /// Attitude and rate a time later where nothing turns the body: by its closed form, in a type wide enough for
 /// a million turns.
 FreeRotation<Wide>::State free_state(const RotationData& r, const QuaternionT<Wide>& q, const Vec3T<Wide>& w,
