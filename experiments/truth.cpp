@@ -7,7 +7,7 @@
 #include <mutex>
 
 #include "experiments/table.hpp"
-#include "solvers/sensitivity.hpp"
+#include "solvers/floor.hpp"
 
 namespace polhode {
 namespace {
@@ -20,42 +20,6 @@ std::vector<double> with_zero(std::span<const double> times) {
   if (times.empty() || times.front() > 0) all.push_back(0);
   all.insert(all.end(), times.begin(), times.end());
   return all;
-}
-
-/// Largest growth of a disturbance: of the initial rates over all times, and of any kind over any later
-/// interval, which is what the rounding of a run suffers.
-void conditioning(const Scene& scene, std::span<const double> times, SceneTruth& t) {
-  if (!scene.rotation) return;
-  // From at most 17 times on.
-  std::vector<double> marks;
-  const std::size_t every = (times.size() + 15) / 16;
-  for (std::size_t i = 0; i < times.size(); i += every) marks.push_back(times[i]);
-  if (marks.back() < times.back()) marks.push_back(times.back());
-  const Sensitivity s = sensitivity(scene, marks);
-  if (!s.known) {
-    t.conditioning = t.attitude_growth = t.rate_growth = none;
-    t.attitude_floor = 4e-16;  // the least that it can be
-    t.rate_floor = double_epsilon;
-    return;
-  }
-  const int a = s.attitude;
-  const auto worst = [](const auto& block) {
-    return block.size() == 0 ? 0.0 : block.colwise().norm().maxCoeff();
-  };
-  // Of any disturbance on the way. The resolution of an attitude, and an ulp of the rates, are least.
-  double attitude_later = 1, rate_later = 1;
-  const double w0 = scene.rotation->w0.norm(), unit = w0 > 0 ? w0 / s.rates.front() : 1;
-  for (const auto& from : s.maps)
-    for (const Eigen::MatrixXd& map : from) {
-      attitude_later = std::max(attitude_later, worst(map.topRows(a)));
-      rate_later = std::max(rate_later, worst(map.bottomRows(3)));
-      if (&from != &s.maps.front()) continue;
-      t.attitude_growth = std::max(t.attitude_growth, unit * worst(map.topRightCorner(a, 3)));
-      t.rate_growth = std::max(t.rate_growth, unit * worst(map.bottomRightCorner(3, 3)));
-    }
-  t.conditioning = std::max(t.attitude_growth, t.rate_growth);
-  t.attitude_floor = std::max(double_epsilon * std::max(t.attitude_growth, attitude_later), 4e-16);
-  t.rate_floor = double_epsilon * std::max(t.rate_growth, rate_later);
 }
 
 }  // namespace
@@ -72,7 +36,12 @@ std::shared_ptr<const SceneTruth> truth_of(const Scene& scene, std::span<const d
   if (!entry) {
     auto t = std::make_shared<SceneTruth>();
     t->truth = reference_solution(scene, all);
-    conditioning(scene, all, *t);
+    const Floor floor = floor_of(scene, all, t->truth, {});
+    t->attitude_growth = floor.attitude_growth;
+    t->rate_growth = floor.rate_growth;
+    t->conditioning = floor.conditioning;
+    t->attitude_floor = floor.attitude;
+    t->rate_floor = floor.rate;
     entry = t;
   }
   return entry;

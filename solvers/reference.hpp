@@ -1,10 +1,12 @@
 // The truth of a scene in 50 digits: its closed form, or the same equations by Taylor series, run twice.
 #pragma once
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "models/allowance.hpp"
 #include "models/scene.hpp"
 #include "models/wide.hpp"
 #include "solvers/method.hpp"
@@ -28,6 +30,28 @@ struct Truth {
   double rate_uncertainty = 0;      // relative, likewise
   std::int64_t steps = 0;           // of the more accurate run
   double cost_s = 0;                // thread time of both runs
+  std::string refusal;              // why there is none: what an allowance or 50 digits do not reach. No samples then.
+};
+
+/// The motion of a scene, found once and then known at any time from 0 to its end.
+class Motion {
+ public:
+  /// Throws Refused and Stopped as the allowance says, Refused also where 50 digits do not reach.
+  Motion(const Scene& scene, double until, const Allowance& allowance);
+  double until() const { return until_; }
+
+  /// The truth at times (increasing, from 0 to until()), proven before it is returned. Throws as above, and
+  /// Error with exit code 70 if the truth contradicts the scene or itself.
+  Truth at(std::span<const double> times, const Allowance& allowance) const;
+
+  /// What another process can go on with; "" where finding it again costs next to nothing.
+  std::string saved() const;
+  /// From what `saved` gave for a scene of the same content; nothing if the bytes are not that.
+  static std::optional<Motion> restored(const Scene& scene, std::string_view bytes);
+
+ private:
+  Scene scene_;
+  double until_;
 };
 
 /// Solves the scene at the given times (increasing, >= 0): by its closed form where it has one

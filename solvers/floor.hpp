@@ -1,0 +1,25 @@
+// What double precision can reach on a scene: how disturbances grow, and what rounding makes of it.
+#pragma once
+#include <span>
+
+#include "models/allowance.hpp"
+#include "models/scene.hpp"
+#include "solvers/reference.hpp"
+
+namespace polhode {
+
+/// Growth of disturbances and the floor that rounding sets.
+struct Floor {
+  // Largest growth of a relative disturbance of the initial rates over the times, as an angle [rad], as a
+  // relative rate, and the larger of the two. At least 1; not a number where it is not known.
+  double attitude_growth = 1, rate_growth = 1, conditioning = 1;
+  // What rounding alone does, rad and relative.
+  double attitude = 0, rate = 0;
+};
+
+/// times   increasing, the first is 0
+/// truth   the motion at these times
+Floor floor_of(const Scene& scene, std::span<const double> times, const Truth& truth,
+               const Allowance& allowance);
+
+}  // namespace polhode
