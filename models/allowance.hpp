@@ -1,14 +1,14 @@
 // How long a computation may take, and whether somebody has asked it to stop.
 //
-// Long loops call spend() once a step. Both endings are exceptions, because they leave through every level of a
-// computation; whoever asked turns them into a value: a truth with its refusal, a row `no_truth`.
+// Long loops call spend() once a step. Both endings are exceptions, because they leave through every level of
+// a computation; whoever asked turns them into a value: a truth with its refusal, a row `no_truth`.
 #pragma once
-#include <time.h>
-
 #include <functional>
 #include <limits>
 #include <stdexcept>
 #include <string>
+
+#include <time.h>
 
 namespace polhode {
 

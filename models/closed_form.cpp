@@ -4,9 +4,9 @@
 #include <functional>
 #include <optional>
 
+#include "models/exact_scene.hpp"
 #include "models/extended_free_rotation.hpp"
 #include "models/pendulum.hpp"
-#include "models/wide.hpp"
 
 namespace polhode {
 namespace {
@@ -15,8 +15,11 @@ namespace {
 
 enum class Kind { none, free, proportional_drag, principal_axis, spring, gravity_gradient };
 
+using WideRotation = RotationDataT<Wide>;
+
 /// The only axis with a component, or -1. A zero vector has axis `otherwise`.
-int only_axis(const Vec3& v, int otherwise) {
+template <class V>
+int only_axis(const V& v, int otherwise) {
   int axis = otherwise, count = 0;
   for (int i = 0; i < 3; ++i)
     if (v[i] != 0) {
@@ -26,24 +29,25 @@ int only_axis(const Vec3& v, int otherwise) {
   return count > 1 ? -1 : axis;
 }
 
-bool is_diagonal(const Mat3& m) { return Mat3(m.diagonal().asDiagonal()) == m; }
+template <class S>
+bool is_diagonal(const Mat3T<S>& m) {
+  return Mat3T<S>(m.diagonal().asDiagonal()) == m;
+}
 
 /// c = kappa I exactly? Products of two doubles have 106 bits.
-bool is_proportional(const Vec3& c, const Vec3& I) {
-  const auto same = [](double a, double b, double x, double y) {
-    return Wide(a) * Wide(b) == Wide(x) * Wide(y);
-  };
-  return same(c.x(), I.y(), c.y(), I.x()) && same(c.y(), I.z(), c.z(), I.y());
+bool is_proportional(const Vec3T<Wide>& c, const Vec3T<Wide>& I) {
+  return c.x() * I.y() == c.y() * I.x() && c.y() * I.z() == c.z() * I.y();
 }
 
 /// The principal axis about which the body turns for good under drag and body torques; -1 if it does not.
-int principal_axis(const RotationData& r) {
+template <class S>
+int principal_axis(const RotationDataT<S>& r) {
   int axis = only_axis(r.w0, -2);
   if (axis == -1) return -1;
   for (const auto& load : r.loads) {
-    if (const auto* drag = std::get_if<AngularDrag<double>>(&load)) {
+    if (const auto* drag = std::get_if<AngularDrag<S>>(&load)) {
       if (!is_diagonal(drag->coefficients_B)) return -1;
-    } else if (const auto* constant = std::get_if<ConstantTorque<double, Frame::body>>(&load)) {
+    } else if (const auto* constant = std::get_if<ConstantTorque<S, Frame::body>>(&load)) {
       const int along = only_axis(constant->torque, axis);
       if (along == -1 || (axis >= 0 && along != axis)) return -1;
       axis = along;
@@ -54,27 +58,31 @@ int principal_axis(const RotationData& r) {
   return axis == -2 ? 0 : axis;  // at rest, with drag alone: any
 }
 
-Kind kind_of(const Scene& scene) {
-  if (!scene.rotation) return Kind::free;
-  const RotationData& r = *scene.rotation;
+/// An undamped spring that turns the body about one axis and never as far as half a turn, beyond which it
+/// pulls the other way.
+bool is_planar_spring(const WideRotation& r, const AttitudeSpring<Wide>& spring) {
+  const int turned = only_axis(r.q0.vec(), -2), axis = only_axis(r.w0, turned);
+  if (spring.damping != 0 || spring.principal_to_user.vec().norm() > 0 || turned == -1 || axis < 0 ||
+      (turned >= 0 && turned != axis) || r.q0.w() == 0 || !(spring.stiffness > 0))
+    return false;
+  const Wide cosine = abs(r.q0.w()) / sqrt(squared_norm(r.q0)), rate = r.w0[axis] / 2;
+  const Wide gap = 2 * spring.stiffness / r.moments[axis] * cosine - rate * rate;
+  return gap > Wide(1e-30) * rate * rate;  // what grazes half a turn is left to the series
+}
+
+Kind kind_of(const std::optional<WideRotation>& rotation) {
+  if (!rotation) return Kind::free;
+  const WideRotation& r = *rotation;
   if (r.loads.empty()) return Kind::free;
   if (principal_axis(r) >= 0) return Kind::principal_axis;
   if (r.loads.size() > 1) return Kind::none;
-  if (const auto* drag = std::get_if<AngularDrag<double>>(&r.loads.front()))
+  if (const auto* drag = std::get_if<AngularDrag<Wide>>(&r.loads.front()))
     return is_diagonal(drag->coefficients_B) && is_proportional(drag->coefficients_B.diagonal(), r.moments)
                ? Kind::proportional_drag
                : Kind::none;
-  if (const auto* spring = std::get_if<AttitudeSpring<double>>(&r.loads.front())) {
-    const int turned = only_axis(r.q0.vec(), -2), axis = only_axis(r.w0, turned);
-    if (spring->damping != 0 || spring->principal_to_user.vec().norm() > 0 || turned == -1 || axis < 0 ||
-        (turned >= 0 && turned != axis) || r.q0.w() == 0)
-      return Kind::none;
-    // Beyond half a turn the spring pulls the other way.
-    const double sine = std::abs(r.q0.vec()[axis]), cosine = std::abs(r.q0.w()), n = std::hypot(sine, cosine);
-    const double rate = r.w0[axis] / 2;
-    return rate * rate < 2 * spring->stiffness / r.moments[axis] * (cosine / n) ? Kind::spring : Kind::none;
-  }
-  if (std::holds_alternative<GravityGradient<double>>(r.loads.front())) {
+  if (const auto* spring = std::get_if<AttitudeSpring<Wide>>(&r.loads.front()))
+    return is_planar_spring(r, *spring) ? Kind::spring : Kind::none;
+  if (std::holds_alternative<GravityGradient<Wide>>(r.loads.front())) {
     const bool planar = r.q0.x() == 0 && r.q0.y() == 0 && r.w0.x() == 0 && r.w0.y() == 0;
     return planar && r.moments.x() != r.moments.y() ? Kind::gravity_gradient : Kind::none;
   }
@@ -98,12 +106,12 @@ class Rotating {
 template <class S, class Motion = FreeRotation<S>>
 class Freely final : public Rotating<S> {
  public:
-  explicit Freely(const RotationData& r) : r_(r) { Freely::set_up(); }
-  void set_up() override { motion_.emplace(r_.moments, r_.q0.template cast<S>(), r_.w0.template cast<S>()); }
+  explicit Freely(const RotationDataT<S>& r) : r_(r) { Freely::set_up(); }
+  void set_up() override { motion_.emplace(r_.moments, r_.q0, r_.w0); }
   Turning<S> at(const S& t) const override { return motion_->at(t); }
 
  private:
-  RotationData r_;
+  RotationDataT<S> r_;
   std::optional<Motion> motion_;
 };
 
@@ -132,9 +140,9 @@ S delayed_square(const S& rate, const S& t) {
 template <class S>
 class ProportionalDrag final : public Rotating<S> {
  public:
-  explicit ProportionalDrag(const RotationData& r) : free_(r) {
-    const auto& drag = std::get<AngularDrag<double>>(r.loads.front());
-    rate_ = S(drag.coefficients_B(0, 0)) / S(r.moments.x());
+  explicit ProportionalDrag(const RotationDataT<S>& r) : free_(r) {
+    const auto& drag = std::get<AngularDrag<S>>(r.loads.front());
+    rate_ = drag.coefficients_B(0, 0) / r.moments.x();
   }
   void set_up() override { free_.set_up(); }
   Turning<S> at(const S& t) const override {
@@ -152,16 +160,15 @@ class ProportionalDrag final : public Rotating<S> {
 template <class S>
 class AboutPrincipalAxis final : public Rotating<S> {
  public:
-  explicit AboutPrincipalAxis(const RotationData& r)
-      : axis_(principal_axis(r)), q0_(normalised<S>(r.q0.template cast<S>())), w0_(r.w0[axis_]) {
+  explicit AboutPrincipalAxis(const RotationDataT<S>& r)
+      : axis_(principal_axis(r)), q0_(normalised<S>(r.q0)), w0_(r.w0[axis_]) {
     S drag(0), torque(0);
     for (const auto& load : r.loads) {
-      if (const auto* d = std::get_if<AngularDrag<double>>(&load)) drag += S(d->coefficients_B(axis_, axis_));
-      if (const auto* c = std::get_if<ConstantTorque<double, Frame::body>>(&load))
-        torque += S(c->torque[axis_]);
+      if (const auto* d = std::get_if<AngularDrag<S>>(&load)) drag += d->coefficients_B(axis_, axis_);
+      if (const auto* c = std::get_if<ConstantTorque<S, Frame::body>>(&load)) torque += c->torque[axis_];
     }
-    rate_ = drag / S(r.moments[axis_]);
-    push_ = torque / S(r.moments[axis_]);
+    rate_ = drag / r.moments[axis_];
+    push_ = torque / r.moments[axis_];
   }
   void set_up() override {}
   Turning<S> at(const S& t) const override {
@@ -182,17 +189,17 @@ class AboutPrincipalAxis final : public Rotating<S> {
 template <class S>
 class PlanarSpring final : public Rotating<S> {
  public:
-  explicit PlanarSpring(const RotationData& r) : axis_(only_axis(r.w0, only_axis(r.q0.vec(), 0))), r_(r) {
+  explicit PlanarSpring(const RotationDataT<S>& r) : axis_(only_axis(r.w0, only_axis(r.q0.vec(), 0))), r_(r) {
     set_up();
   }
   void set_up() override {
     using std::sqrt;
     // phi = theta/2, and the pendulum is stated in phi/2 = theta/4.
-    const QuaternionT<S> q = normalised<S>(r_.q0.template cast<S>());
+    const QuaternionT<S> q = normalised<S>(r_.q0);
     const S side(q.w() < S(0) ? -1 : 1), c = side * q.w(), s = side * q.vec()[axis_];
     const S half_c = sqrt(S((S(1) + c) / S(2))), half_s = s / (S(2) * half_c);
-    const S stiffness(std::get<AttitudeSpring<double>>(r_.loads.front()).stiffness);
-    motion_.emplace(S(sqrt(S(stiffness / S(r_.moments[axis_])))), half_s, half_c, S(S(r_.w0[axis_]) / S(2)));
+    const S& stiffness = std::get<AttitudeSpring<S>>(r_.loads.front()).stiffness;
+    motion_.emplace(S(sqrt(S(stiffness / r_.moments[axis_]))), half_s, half_c, S(r_.w0[axis_] / S(2)));
   }
   Turning<S> at(const S& t) const override {
     const auto s = motion_->at(t);
@@ -204,25 +211,25 @@ class PlanarSpring final : public Rotating<S> {
 
  private:
   int axis_;
-  RotationData r_;
+  RotationDataT<S> r_;
   std::optional<Pendulum<S>> motion_;
 };
 
 template <class S>
 class PlanarGravityGradient final : public Rotating<S> {
  public:
-  explicit PlanarGravityGradient(const RotationData& r) : r_(r) { set_up(); }
+  explicit PlanarGravityGradient(const RotationDataT<S>& r) : r_(r) { set_up(); }
   void set_up() override {
     using std::abs;
     using std::sqrt;
     // theta: the turn about z. phi = 2 (theta - n t), or 2 (theta - n t) + pi if the x axis is the one that
     // settles across; the pendulum is stated in phi/2.
-    const QuaternionT<S> q = normalised<S>(r_.q0.template cast<S>());
-    n_ = S(std::get<GravityGradient<double>>(r_.loads.front()).mean_motion);
+    const QuaternionT<S> q = normalised<S>(r_.q0);
+    n_ = std::get<GravityGradient<S>>(r_.loads.front()).mean_motion;
     across_ = r_.moments.y() < r_.moments.x();
     const S c = q.w() * q.w() - q.z() * q.z(), s = S(2) * q.w() * q.z();
-    const S stiffness = S(3) * n_ * n_ * S(abs(S(r_.moments.y()) - S(r_.moments.x()))) / S(r_.moments.z());
-    motion_.emplace(S(sqrt(stiffness)), across_ ? c : s, across_ ? S(-s) : c, S(S(2) * (S(r_.w0.z()) - n_)));
+    const S stiffness = S(3) * n_ * n_ * S(abs(S(r_.moments.y() - r_.moments.x()))) / r_.moments.z();
+    motion_.emplace(S(sqrt(stiffness)), across_ ? c : s, across_ ? S(-s) : c, S(S(2) * (r_.w0.z() - n_)));
   }
   bool can_be_told() const { return motion_->librates() || motion_->rotates(); }
   Turning<S> at(const S& t) const override {
@@ -242,15 +249,50 @@ class PlanarGravityGradient final : public Rotating<S> {
   }
 
  private:
-  RotationData r_;
+  RotationDataT<S> r_;
   S n_;
   bool across_ = false;
   std::optional<Pendulum<S>> motion_;
 };
 
+/// A motion in doubles whose constants doubles cannot hold: found in 50 digits each time, and rounded.
+class InWide final : public Rotating<double> {
+ public:
+  explicit InWide(std::unique_ptr<Rotating<Wide>> motion) : motion_(std::move(motion)) {}
+  void set_up() override { motion_->set_up(); }
+  Turning<double> at(const double& t) const override {
+    const Turning<Wide> x = motion_->at(Wide(t));
+    return {x.q.cast<double>(), x.w_B.cast<double>()};
+  }
+
+ private:
+  std::unique_ptr<Rotating<Wide>> motion_;
+};
+
+/// Can the closed form be set up in doubles? Squares of small components must not vanish, and next to a
+/// symmetric body the turn about L is a difference of two that are nearly alike.
+bool doubles_suffice(const RotationData& r, Kind kind) {
+  constexpr double small = 1e-60, alike = 1e-8;
+  double largest = 0, least = 1;
+  const bool pendulum = kind == Kind::spring || kind == Kind::gravity_gradient;
+  for (int i = 0; i < 3; ++i) largest = std::max(largest, std::abs(r.w0[i]));
+  for (int i = 0; i < 3; ++i) {
+    if (r.w0[i] != 0) least = std::min(least, std::abs(r.w0[i]) / (pendulum ? 1 : largest));
+    if (pendulum && r.q0.vec()[i] != 0) least = std::min(least, std::abs(r.q0.vec()[i]));
+    const double a = r.moments[i], b = r.moments[(i + 1) % 3];
+    if (a != b && std::abs(a - b) < alike * std::max(a, b)) return false;
+  }
+  return least > small;
+}
+
 template <class S>
-std::unique_ptr<Rotating<S>> rotating(const Scene& scene, Kind kind, [[maybe_unused]] bool extended) {
-  const RotationData& r = *scene.rotation;
+std::unique_ptr<Rotating<S>> rotating(const RotationDataT<S>& r, Kind kind, [[maybe_unused]] bool extended) {
+  if constexpr (std::is_same_v<S, double>)
+    if (kind != Kind::principal_axis && kind != Kind::none && !doubles_suffice(r, kind)) {
+      auto motion = rotating<Wide>(cast_rotation<Wide>(r), kind, false);
+      if (!motion) return nullptr;
+      return std::make_unique<InWide>(std::move(motion));
+    }
   switch (kind) {
     case Kind::none:
       return nullptr;
@@ -276,19 +318,18 @@ std::unique_ptr<Rotating<S>> rotating(const Scene& scene, Kind kind, [[maybe_unu
 // ---- the centre of mass
 
 template <class S>
-void translate(const TranslationData& d, const S& t, ExactState<S>& x) {
+void translate(const TranslationDataT<S>& d, const S& t, ExactState<S>& x) {
   using std::exp;
-  const S rate = S(d.drag) / S(d.mass), later = delayed_time(rate, t);
-  const Vec3T<S> v0 = d.v0.template cast<S>(), g = d.acceleration.template cast<S>();
-  x.v = v0 * S(exp(S(-rate * t))) + g * later;
-  x.p = d.p0.template cast<S>() + v0 * later + g * delayed_square(rate, t);
+  const S rate = d.drag / d.mass, later = delayed_time(rate, t);
+  x.v = d.v0 * S(exp(S(-rate * t))) + d.acceleration * later;
+  x.p = d.p0 + d.v0 * later + d.acceleration * delayed_square(rate, t);
 }
 
 template <class S>
 class SceneMotion final : public ClosedForm<S> {
  public:
-  SceneMotion(const Scene& scene, std::unique_ptr<Rotating<S>> rotation)
-      : translation_(scene.translation), rotation_(std::move(rotation)) {}
+  SceneMotion(std::optional<TranslationDataT<S>> translation, std::unique_ptr<Rotating<S>> rotation)
+      : translation_(std::move(translation)), rotation_(std::move(rotation)) {}
   void set_up() override {
     if (rotation_) rotation_->set_up();
   }
@@ -304,26 +345,32 @@ class SceneMotion final : public ClosedForm<S> {
   }
 
  private:
-  std::optional<TranslationData> translation_;
+  std::optional<TranslationDataT<S>> translation_;
   std::unique_ptr<Rotating<S>> rotation_;
 };
 
 template <class S>
-std::unique_ptr<ClosedForm<S>> made(const Scene& scene, bool extended) {
-  const Kind kind = kind_of(scene);
+std::unique_ptr<ClosedForm<S>> made(const std::optional<RotationDataT<S>>& r,
+                                    const std::optional<TranslationDataT<S>>& t, Kind kind, bool extended) {
   if (kind == Kind::none) return nullptr;
   std::unique_ptr<Rotating<S>> rotation;
-  if (scene.rotation) {
-    rotation = rotating<S>(scene, kind, extended);
+  if (r) {
+    rotation = rotating<S>(*r, kind, extended);
     if (!rotation) return nullptr;
   }
-  return std::make_unique<SceneMotion<S>>(scene, std::move(rotation));
+  return std::make_unique<SceneMotion<S>>(t, std::move(rotation));
+}
+
+std::unique_ptr<ClosedForm<double>> made_in_doubles(const Scene& scene, bool extended) {
+  std::optional<WideRotation> wide;
+  if (scene.rotation) wide = cast_rotation<Wide>(*scene.rotation);
+  return made<double>(scene.rotation, scene.translation, kind_of(wide), extended);
 }
 
 }  // namespace
 
 std::string closed_form_kind(const Scene& scene) {
-  switch (kind_of(scene)) {
+  switch (kind_of(exact_scene(scene).rotation)) {
     case Kind::none:
       return "";
     case Kind::free:
@@ -340,16 +387,26 @@ std::string closed_form_kind(const Scene& scene) {
   return "";
 }
 
-template <class S>
-std::unique_ptr<ClosedForm<S>> closed_form(const Scene& scene) {
-  return made<S>(scene, false);
+template <>
+std::unique_ptr<ClosedForm<double>> closed_form(const Scene& scene) {
+  return made_in_doubles(scene, false);
 }
-template std::unique_ptr<ClosedForm<double>> closed_form(const Scene&);
-template std::unique_ptr<ClosedForm<Wide>> closed_form(const Scene&);
-template std::unique_ptr<ClosedForm<Narrower>> closed_form(const Scene&);
 
 std::unique_ptr<ClosedForm<double>> closed_form_extended(const Scene& scene) {
-  return made<double>(scene, true);
+  return made_in_doubles(scene, true);
 }
+
+/// In a wide type of what the file says. Which one it is, its 50 digits decide for the narrower type, too.
+template <class S>
+std::unique_ptr<ClosedForm<S>> closed_form(const Scene& scene) {
+  const ExactScene exact = exact_scene(scene);
+  std::optional<RotationDataT<S>> r;
+  std::optional<TranslationDataT<S>> t;
+  if (exact.rotation) r = cast_rotation<S>(*exact.rotation);
+  if (exact.translation) t = cast_translation<S>(*exact.translation);
+  return made<S>(r, t, kind_of(exact.rotation), false);
+}
+template std::unique_ptr<ClosedForm<Wide>> closed_form(const Scene&);
+template std::unique_ptr<ClosedForm<Narrower>> closed_form(const Scene&);
 
 }  // namespace polhode

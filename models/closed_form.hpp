@@ -37,9 +37,12 @@ class ClosedForm {
 /// What the closed form of a scene is, in words; empty if it has none that we know.
 std::string closed_form_kind(const Scene& scene);
 
-/// The closed form in S; null if there is none.
+/// The closed form in S; null if there is none. In double of the doubles that solvers start from, in a wide
+/// type of what the file says (models/exact_scene.hpp).
 template <class S>
 std::unique_ptr<ClosedForm<S>> closed_form(const Scene& scene);
+template <>
+std::unique_ptr<ClosedForm<double>> closed_form(const Scene& scene);
 
 /// In doubles from constants of extended precision, where that is worth something: the triaxial free body.
 std::unique_ptr<ClosedForm<double>> closed_form_extended(const Scene& scene);

@@ -41,17 +41,21 @@ class FreeRotation {
   /// moments   principal moments [kg m^2], positive; need not be sorted, nor belong to a possible body
   /// q0        attitude at t = 0, principal to space, of any length but zero
   /// w0        rates at t = 0 [rad/s], principal components
-  FreeRotation(const Vec3& given_moments, const QuaternionT<S>& q0, const Vec3T<S>& given_w0)
-      : q0_(normalised<S>(q0)), unit_rate_(power_of_two_near(given_w0)), w0_(given_w0 / unit_rate_) {
+  template <class M>
+  FreeRotation(const Eigen::MatrixBase<M>& given_moments, const QuaternionT<S>& q0, const Vec3T<S>& given_w0)
+      : q0_(normalised<S>(q0)),
+        unit_rate_(power_of_two_near(given_w0)),
+        w0_(without_minus_zeros(given_w0 / unit_rate_)) {
     // In units in which rates and moments are about one: their squares neither vanish nor overflow, and since
     // both units are powers of two nothing is rounded.
-    const Vec3 moments = given_moments / power_of_two_near(given_moments);
+    const Vec3T<S> moments =
+        given_moments.template cast<S>() / power_of_two_near<S>(given_moments.template cast<S>());
     const Vec3T<S>& w0 = w0_;
-    const Vec3 d(moments.y() - moments.z(), moments.z() - moments.x(), moments.x() - moments.y());
-    if ((d.x() == 0 || w0.y() * w0.z() == S(0)) && (d.y() == 0 || w0.z() * w0.x() == S(0)) &&
-        (d.z() == 0 || w0.x() * w0.y() == S(0))) {
+    const Vec3T<S> d(moments.y() - moments.z(), moments.z() - moments.x(), moments.x() - moments.y());
+    const auto still = [&](int i, int j, int k) { return d[i] == S(0) || w0[j] == S(0) || w0[k] == S(0); };
+    if (still(0, 1, 2) && still(1, 2, 0) && still(2, 0, 1)) {
       kind_ = Kind::steady;
-    } else if (d.x() == 0 || d.y() == 0 || d.z() == 0) {
+    } else if (d.x() == S(0) || d.y() == S(0) || d.z() == S(0)) {
       set_up_symmetric(moments, d);
     } else {
       set_up_triaxial(moments, w0);
@@ -85,6 +89,23 @@ class FreeRotation {
     int exponent = 0;
     frexp(largest, &exponent);
     return ldexp(T(1), exponent - 1);
+  }
+
+  /// A sign taken from a zero must not depend on how it was written.
+  static Vec3T<S> without_minus_zeros(Vec3T<S> v) {
+    for (int i = 0; i < 3; ++i)
+      if (v[i] == S(0)) v[i] = S(0);
+    return v;
+  }
+
+  /// Of two components, one of which may be so small that its square vanishes.
+  static S length(const S& a, const S& b) {
+    if constexpr (std::is_floating_point_v<S>) {
+      return std::hypot(a, b);
+    } else {
+      using std::sqrt;
+      return sqrt(a * a + b * b);
+    }
   }
 
   // ---- in units of unit_rate_
@@ -131,9 +152,9 @@ class FreeRotation {
 
   friend class ExtendedFreeRotation;
 
-  void set_up_symmetric(const Vec3& moments, const Vec3& d) {
+  void set_up_symmetric(const Vec3T<S>& moments, const Vec3T<S>& d) {
     kind_ = Kind::symmetric;
-    const int axis = d.x() == 0 ? 0 : d.y() == 0 ? 1 : 2;
+    const int axis = d.x() == S(0) ? 0 : d.y() == S(0) ? 1 : 2;
     const S across(moments[(axis + 1) % 3]), along(moments[axis]);
     precession_ = Vec3T<S>(w0_);
     precession_[axis] = along / across * w0_[axis];  // L_B/across
@@ -141,14 +162,14 @@ class FreeRotation {
     spin_[axis] = S((across - along) / across) * w0_[axis];
   }
 
-  void set_up_triaxial(const Vec3& moments, const Vec3T<S>& w0) {
+  void set_up_triaxial(const Vec3T<S>& moments, const Vec3T<S>& w0) {
     using std::abs;
     using std::sqrt;
     // Sorted: least, middle, largest moment.
     axis_ = {0, 1, 2};
     for (const std::size_t i : {0u, 1u, 0u})
       if (moments[axis_[i]] > moments[axis_[i + 1]]) std::swap(axis_[i], axis_[i + 1]);
-    const S excess = momentum_excess<S>(Vec3(moments[axis_[0]], moments[axis_[1]], moments[axis_[2]]),
+    const S excess = momentum_excess<S>(Vec3T<S>(moments[axis_[0]], moments[axis_[1]], moments[axis_[2]]),
                                         w0[axis_[0]], w0[axis_[2]]);
     about_largest_ = excess >= S(0);
     if (!about_largest_) std::swap(axis_[0], axis_[2]);
@@ -163,8 +184,9 @@ class FreeRotation {
     // Differences of the given doubles, all with the sign of I3 - I1.
     const S d31 = abs(I3 - I1), d32 = abs(I3 - I2), d21 = abs(I2 - I1);
     const S rho = I2 * d32 / (I1 * d31), root_rho = sqrt(rho);
-    const S a1 = sqrt(w1 * w1 + rho * w2 * w2), a2 = a1 / root_rho;
-    const S axial = I3 * d31 * w3 * w3 + I2 * d21 * w2 * w2, a3 = sqrt(axial / (I3 * d31));
+    const S a1 = length(w1, root_rho * w2), a2 = a1 / root_rho;
+    const S axial = I3 * d31 * w3 * w3 + I2 * d21 * w2 * w2;
+    const S a3 = length(w3, sqrt(S(I2 * d21 / (I3 * d31))) * w2);
     const S L = sqrt(I1 * I1 * w1 * w1 + I2 * I2 * w2 * w2 + I3 * I3 * w3 * w3);
     const S lambda = a3 * sqrt(d32 * d31 / (I1 * I2));
     const S m = d21 * a1 * a2 / (I3 * a3 * lambda);

@@ -19,6 +19,8 @@
 
 #include <Eigen/Core>
 
+#include "models/convolution.hpp"
+
 namespace polhode {
 
 /// The recorded operations and, once played, the coefficients of every node.
@@ -68,10 +70,13 @@ class Tape {
           r[k] = a[k] * n.constant;
           break;
         case Op::multiply: {
-          const S* const b = series(n.b);
-          S sum = a[0] * b[k];
-          for (int j = 1; j <= k; ++j) sum += a[j] * b[k - j];
-          r[k] = sum;
+          if (n.a == n.b) {  // each product of two different coefficients occurs twice
+            convolve_(r[k], a, a, k, 0, (k + 1) / 2 - 1);
+            r[k] += r[k];
+            if (k % 2 == 0) r[k] += a[k / 2] * a[k / 2];
+          } else {
+            convolve_(r[k], a, series(n.b), k, 0, k);
+          }
           break;
         }
         case Op::reciprocal: {
@@ -79,9 +84,8 @@ class Tape {
             r[0] = S(1) / a[0];
             break;
           }
-          S sum(0);
-          for (int j = 1; j <= k; ++j) sum += a[j] * r[k - j];
-          r[k] = -sum * r[0];
+          convolve_(sum_, a, r, k, 1, k);
+          r[k] = -sum_ * r[0];
           break;
         }
         case Op::square_root: {
@@ -90,9 +94,8 @@ class Tape {
             r[0] = sqrt(a[0]);
             break;
           }
-          S sum = a[k];
-          for (int j = 1; j < k; ++j) sum -= r[j] * r[k - j];
-          r[k] = sum / (S(2) * r[0]);
+          convolve_(sum_, r, r, k, 1, k - 1);
+          r[k] = (a[k] - sum_) / (S(2) * r[0]);
           break;
         }
         case Op::sine:
@@ -120,6 +123,8 @@ class Tape {
 
  private:
   std::vector<Node> nodes_;
+  Convolution<S> convolve_;
+  S sum_{0};
   std::size_t stride_ = 0;
   std::vector<S> coefficients_;
 };

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <optional>
 
-#include "models/pendulum.hpp"
+#include "models/jacobi.hpp"
 #include "models/scene.hpp"
 
 namespace polhode {
@@ -38,8 +38,7 @@ class LagrangeNutation {
   /// Cosine of the angle between the axis (from the pivot to the centre of mass) and the vertical at time t.
   S cosine(const S& t) const {
     if (!(range_ > S(0))) return lowest_;  // regular precession
-    S cn, dn;
-    const S sn = boost::math::jacobi_elliptic(k_, S(rate_ * t + start_), &cn, &dn);
+    const S sn = functions_->at(S(rate_ * t + start_)).sn;
     return lowest_ + range_ * sn * sn;
   }
   /// From one lowest point to the next [s].
@@ -67,11 +66,10 @@ class LagrangeNutation {
     if (!(range_ > S(0))) return;
     rate_ = sqrt(beta * (u[2] - u[0])) / S(2);
     const S m = range_ / (u[2] - u[0]), m1 = (u[2] - u[1]) / (u[2] - u[0]);
-    k_ = sqrt(m);
     const S zero(0), one(1), part = std::min(one, std::max(zero, S((u0 - u[0]) / range_)));
-    const LandenMean<S> mean(S(sqrt(m1)), m);
-    quarter_ = half_turn<S>() / (S(2) * mean.limit());
-    start_ = mean.circular(S(sqrt(part)), S(sqrt(S(one - part)))) / mean.limit();
+    functions_.emplace(m, m1);
+    quarter_ = functions_->quarter_period();
+    start_ = functions_->argument(S(sqrt(part)), S(sqrt(S(one - part))));
     if (slope < S(0)) start_ = -start_;
   }
 
@@ -97,7 +95,8 @@ class LagrangeNutation {
     return x;
   }
 
-  S lowest_{0}, range_{0}, rate_{1}, k_{0}, start_{0}, quarter_{0};
+  S lowest_{0}, range_{0}, rate_{1}, start_{0}, quarter_{0};
+  std::optional<JacobiFunctions<S>> functions_;
 };
 
 }  // namespace polhode

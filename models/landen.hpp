@@ -44,11 +44,17 @@ class LandenMean {
     limit_ = x;
   }
 
-  /// limit * F(phi | d0) for sin and cos of an amplitude phi in [-pi/2, pi/2].
+  /// limit * F(phi | d0) for sin and cos of an amplitude phi in [-pi/2, pi/2]. Odd, and exact at 0 and at a
+  /// quarter turn, where the sign of a zero would otherwise decide.
   S circular(S sine, S cosine) const {
     using std::atan2;
     using std::round;
-    if (circular_steps_ == 0) return atan2(sine, cosine);
+    const bool negative = sine < S(0);
+    if (negative) sine = -sine;
+    const auto signed_phase = [negative](const S& x) { return negative ? S(-x) : x; };
+    if (sine == S(0)) return S(0);
+    if (cosine == S(0)) return signed_phase(half_turn<S>() / S(2));
+    if (circular_steps_ == 0) return signed_phase(atan2(sine, cosine));
     // Only their quotient matters: (sine, cosine) lose length in a step, at most by b, and no root restores
     // it.
     S estimate(0);
@@ -60,12 +66,13 @@ class LandenMean {
       if (n == 0) estimate = roughly_atan2(sine, cosine);
     }
     const S phase = atan2(sine, cosine);
-    if (circular_steps_ == 1) return phase / S(2);
+    if (circular_steps_ == 1) return signed_phase(phase / S(2));
     // The first step is within the range of atan2; later ones double the phase to within 0.03 of a turn, and
     // the 0.004 rad of the estimate to at most half of one.
     estimate *= S(1 << (circular_steps_ - 1));
-    return (phase + S(2) * half_turn<S>() * round((estimate - phase) / (S(2) * half_turn<S>()))) /
-           S(1 << circular_steps_);
+    return signed_phase(
+        S((phase + S(2) * half_turn<S>() * round((estimate - phase) / (S(2) * half_turn<S>()))) /
+          S(1 << circular_steps_)));
   }
 
   /// limit * integral of 1/sqrt(1 + d0 sinh^2) from 0 to asinh(s).
@@ -81,6 +88,24 @@ class LandenMean {
       s = next;
     }
     return asinh(s) / S(1 << steps_);
+  }
+
+  /// The inverse of `circular` over limit(): the amplitude phi at an argument u of any size, F(phi | d0) = u.
+  /// sin(2 phi_n - phi_{n+1}) = (a_n - b_n)/(a_n + b_n) sin phi_{n+1}, with the cosine beside it, so that no
+  /// arcsine is taken near one.
+  S amplitude(const S& u) const {
+    using std::atan2;
+    using std::cos;
+    using std::sin;
+    using std::sqrt;
+    S phi = limit_ * u * S(1 << circular_steps_);
+    for (int n = circular_steps_; n-- > 0;) {
+      const auto i = static_cast<std::size_t>(n);
+      const S sum = a_[i] + b_[i], s = sin(phi), c = cos(phi);
+      const S ratio = d_[i] / (sum * sum), rest = S(4) * a_[i] * b_[i] / (sum * sum);
+      phi = (phi + atan2(S(ratio * s), S(sqrt(S(c * c + rest * s * s))))) / S(2);
+    }
+    return phi;
   }
 
   /// The mean itself: pi/2 over the complete integral.

@@ -267,19 +267,20 @@ using AnyTorque =
     std::variant<GravityAboutPivot<S>, AngularDrag<S>, AttitudeSpring<S>, ConstantTorque<S, Frame::body>,
                  ConstantTorque<S, Frame::space>, GravityGradient<S>>;
 
-/// The same load with constants of another number type; every double is exact in a wider one.
+/// The same load with constants of another number type: exact in a wider one, correctly rounded in another.
 template <class S, class From>
 AnyTorque<S> cast_load(const AnyTorque<From>& load) {
   struct Cast {
     AnyTorque<S> operator()(const GravityAboutPivot<From>& l) const {
-      return GravityAboutPivot<S>{S(l.mass), l.acceleration_S.template cast<S>(),
+      return GravityAboutPivot<S>{static_cast<S>(l.mass), l.acceleration_S.template cast<S>(),
                                   l.center_B.template cast<S>()};
     }
     AnyTorque<S> operator()(const AngularDrag<From>& l) const {
       return AngularDrag<S>{l.coefficients_B.template cast<S>()};
     }
     AnyTorque<S> operator()(const AttitudeSpring<From>& l) const {
-      return AttitudeSpring<S>{S(l.stiffness), S(l.damping), l.principal_to_user.template cast<S>()};
+      return AttitudeSpring<S>{static_cast<S>(l.stiffness), static_cast<S>(l.damping),
+                               l.principal_to_user.template cast<S>()};
     }
     AnyTorque<S> operator()(const ConstantTorque<From, Frame::body>& l) const {
       return ConstantTorque<S, Frame::body>{l.torque.template cast<S>()};
@@ -288,7 +289,7 @@ AnyTorque<S> cast_load(const AnyTorque<From>& load) {
       return ConstantTorque<S, Frame::space>{l.torque.template cast<S>()};
     }
     AnyTorque<S> operator()(const GravityGradient<From>& l) const {
-      return GravityGradient<S>{S(l.mean_motion), l.moments_B.template cast<S>()};
+      return GravityGradient<S>{static_cast<S>(l.mean_motion), l.moments_B.template cast<S>()};
     }
   };
   return std::visit(Cast{}, load);

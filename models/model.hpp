@@ -10,8 +10,8 @@ namespace polhode {
 
 namespace model_parts {
 
-template <class S, class Load>
-auto make_load(const RotationData& r) {
+template <class S, class Load, class From>
+auto make_load(const RotationDataT<From>& r) {
   if constexpr (std::is_same_v<Load, Free<S>>) {
     return Load{};
   } else if constexpr (std::is_same_v<Load, SeveralTorques<S>>) {
@@ -24,22 +24,23 @@ auto make_load(const RotationData& r) {
 }
 
 template <class S, template <class> class LoadT, Shape shape = Shape::triaxial,
-          AttitudePart attitude = AttitudePart::integrated>
-Rotation<S, LoadT, shape, attitude> make_rotation(const RotationData& r) {
+          AttitudePart attitude = AttitudePart::integrated, class From>
+Rotation<S, LoadT, shape, attitude> make_rotation(const RotationDataT<From>& r) {
   return {r.moments.template cast<S>(), make_load<S, LoadT<S>>(r)};
 }
 
-template <class S>
-Translation<S, Forces> make_forced(const TranslationData& t) {
-  return {S(t.mass), {t.acceleration.template cast<S>(), S(t.drag) / S(t.mass)}};
+template <class S, class From>
+Translation<S, Forces> make_forced(const TranslationDataT<From>& t) {
+  return {static_cast<S>(t.mass),
+          {t.acceleration.template cast<S>(), static_cast<S>(t.drag) / static_cast<S>(t.mass)}};
 }
-template <class S>
-Translation<S, NoForce> make_unforced(const TranslationData& t) {
-  return {S(t.mass), {}};
+template <class S, class From>
+Translation<S, NoForce> make_unforced(const TranslationDataT<From>& t) {
+  return {static_cast<S>(t.mass), {}};
 }
 
-template <class S, class R, class T>
-Model<S, R, T> make_model(const Scene& scene, R rotation, T translation) {
+template <class S, class SceneT, class R, class T>
+Model<S, R, T> make_model(const SceneT& scene, R rotation, T translation) {
   Model<S, R, T> m{std::move(rotation), std::move(translation), {}};
   if constexpr (R::has_attitude) {
     // Normalised in S: the doubles of the scene are the problem, their norm is part of reading it.
@@ -50,11 +51,12 @@ Model<S, R, T> make_model(const Scene& scene, R rotation, T translation) {
     m.initial[3] = q.z();
   }
   if constexpr (R::present)
-    for (int i = 0; i < 3; ++i) m.initial[static_cast<std::size_t>(R::w_at + i)] = S(scene.rotation->w0[i]);
+    for (int i = 0; i < 3; ++i)
+      m.initial[static_cast<std::size_t>(R::w_at + i)] = static_cast<S>(scene.rotation->w0[i]);
   if constexpr (T::present)
     for (int i = 0; i < 3; ++i) {
-      m.initial[static_cast<std::size_t>(R::size + i)] = S(scene.translation->p0[i]);
-      m.initial[static_cast<std::size_t>(R::size + 3 + i)] = S(scene.translation->v0[i]);
+      m.initial[static_cast<std::size_t>(R::size + i)] = static_cast<S>(scene.translation->p0[i]);
+      m.initial[static_cast<std::size_t>(R::size + 3 + i)] = static_cast<S>(scene.translation->v0[i]);
     }
   return m;
 }
@@ -62,8 +64,8 @@ Model<S, R, T> make_model(const Scene& scene, R rotation, T translation) {
 }  // namespace model_parts
 
 /// The rotation of a scene in its general form: any shape, any number of loads, asked at run time.
-template <class S, AttitudePart attitude = AttitudePart::integrated>
-auto make_general_rotation(const RotationData& r) {
+template <class S, AttitudePart attitude = AttitudePart::integrated, class From>
+auto make_general_rotation(const RotationDataT<From>& r) {
   return model_parts::make_rotation<S, SeveralTorques, Shape::any, attitude>(r);
 }
 
@@ -118,16 +120,16 @@ decltype(auto) with_model(const Scene& scene, F&& f) {
 }
 
 /// The same scene in number type S with the general types alone: fewer instances where speed is not the
-/// matter.
-template <class S, class F>
-decltype(auto) with_general_model(const Scene& scene, F&& f) {
+/// matter. SceneT: a Scene, whose numbers are doubles, or an ExactScene.
+template <class S, class SceneT, class F>
+decltype(auto) with_general_model(const SceneT& scene, F&& f) {
   using namespace model_parts;
   const auto& t = scene.translation;
   const auto call = [&](auto rotation, auto translation) -> decltype(auto) {
     return f(make_model<S>(scene, std::move(rotation), std::move(translation)));
   };
   if (!scene.rotation) return call(NoRotation{}, make_forced<S>(*t));
-  const RotationData& r = *scene.rotation;
+  const auto& r = *scene.rotation;
   if (!r.attitude) return call(make_general_rotation<S, AttitudePart::absent>(r), NoTranslation{});
   return t ? call(make_general_rotation<S>(r), make_forced<S>(*t))
            : call(make_general_rotation<S>(r), NoTranslation{});

@@ -6,9 +6,9 @@
 //
 // Source: DLMF 22.19(i).
 #pragma once
-#include <boost/math/special_functions/jacobi_elliptic.hpp>
+#include <optional>
 
-#include "models/landen.hpp"
+#include "models/jacobi.hpp"
 
 namespace polhode {
 
@@ -31,10 +31,12 @@ class Pendulum {
       direction_ =
           S(cosine < S(0) ? -1 : 1);  // phi and phi + 2 pi have opposite signs of sin and cos of half
       if (!(k_ > S(0))) return;       // at rest
-      start_ = amplitude_phase(S(direction_ * sine / k_), S(half / k_), m, energy_gap_);
+      functions_.emplace(m, energy_gap_);
+      start_ = functions_->argument(S(direction_ * sine), half);
     } else if (rotates()) {
       direction_ = S(rate < S(0) ? -1 : 1);
-      start_ = amplitude_phase(S(direction_ * sine), cosine, S(S(1) / m), S(-energy_gap_ / m));
+      functions_.emplace(S(S(1) / m), S(-energy_gap_ / m));
+      start_ = functions_->argument(S(direction_ * sine), cosine);
     }
   }
 
@@ -42,29 +44,18 @@ class Pendulum {
   bool rotates() const { return energy_gap_ < S(0); }
 
   State at(const S& t) const {
-    using boost::math::jacobi_elliptic;
-    S cn, dn;
     if (librates()) {
       if (!(k_ > S(0))) return {S(0), direction_, S(0)};
-      const S sn = jacobi_elliptic(k_, S(omega_ * t + start_), &cn, &dn);
-      return {direction_ * k_ * sn, direction_ * dn, S(2) * k_ * omega_ * cn};
+      const auto x = functions_->at(S(omega_ * t + start_));
+      return {direction_ * k_ * x.sn, direction_ * x.dn, S(2) * k_ * omega_ * x.cn};
     }
-    const S sn = jacobi_elliptic(S(S(1) / k_), S(k_ * omega_ * t + start_), &cn, &dn);
-    return {direction_ * sn, cn, direction_ * S(2) * k_ * omega_ * dn};
+    const auto x = functions_->at(S(k_ * omega_ * t + start_));
+    return {direction_ * x.sn, x.cn, direction_ * S(2) * k_ * omega_ * x.dn};
   }
 
  private:
-  /// u with sn u and cn u as given.
-  static S amplitude_phase(const S& sn, const S& cn, const S& m, const S& m1) {
-    using std::abs;
-    using std::sqrt;
-    const LandenMean<S> mean(S(sqrt(m1)), m);
-    const S u = mean.circular(sn, S(abs(cn))) / mean.limit();
-    if (!(cn < S(0))) return u;
-    return half_turn<S>() / mean.limit() - u;  // 2 K - u
-  }
-
   S omega_, k_, energy_gap_, start_{0}, direction_{1};
+  std::optional<JacobiFunctions<S>> functions_;
 };
 
 }  // namespace polhode

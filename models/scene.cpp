@@ -6,6 +6,7 @@
 // and
 //   q_SP = q_SU q_UP,   w_P = R^T w_U,   tau_P = R^T tau_U,   C_P = R^T diag(c) R   with q_UP =
 //   principal_to_user.
+// All of that in 200 digits, rounded to the 50 of the truth and then to the doubles of the solvers.
 #include "models/scene.hpp"
 
 #include <algorithm>
@@ -15,8 +16,8 @@
 #include <utility>
 
 #include "models/errors.hpp"
-#include "models/mass_properties.hpp"
-#include "models/scene_reader.hpp"
+#include "models/exact_scene.hpp"
+#include "models/scene_body.hpp"
 
 namespace polhode {
 namespace {
@@ -46,93 +47,14 @@ std::vector<std::string> operator+(std::vector<std::string> a, const std::vector
   return a;
 }
 
-Vec3 vec3_or_zero(const SceneTable& table, const std::string& key) {
-  return table.has(key) ? table.vec3(key) : Vec3::Zero();
-}
+using WideVec = Vec3T<Resolved>;
 
-// What [body] says, in the user's axes.
-struct Body {
-  std::string form;  // the key that gives the inertia: inertia, shape, part, particle; "" for a mass point
-  std::optional<double> mass;
-  Vec3 center = Vec3::Zero();
-  Mat3 inertia = Mat3::Zero();  // about the centre of mass, or as given: then about a pivot, if there is one
-  bool physical = true;
-};
-
-// A shape with its lengths and its mass or density: [body] itself or one [[body.part]].
-MassProperties read_primitive(const SceneTable& table, const std::vector<std::string>& beside) {
-  const std::string shape = table.choice("shape", primitive_shapes());
-  const auto needs = primitive_needs(shape);
-  table.allow(std::vector<std::string>{"shape", "mass", "density"} + needs + beside);
-  std::vector<double> lengths;
-  for (const auto& key : needs) {
-    const bool three = key == "size" || key == "inner_size" || key == "radii";
-    const auto values = three ? table.numbers(key, {3}, Sign::positive)
-                              : std::vector<double>{table.number(key, Sign::positive)};
-    lengths.insert(lengths.end(), values.begin(), values.end());
-  }
-  const std::string by = table.one_of({"mass", "density"});
-  if (by.empty()) table.fail("mass", "a mass (kg) or a density (kg/m^3, of shells and discs kg/m^2)");
-  const double given = table.number(by, Sign::positive);
-  const std::string fault = primitive_fault(shape, lengths);
-  if (!fault.empty()) table.fail(needs.size() > 1 ? needs[1] : needs[0], fault, "lengths that leave a body");
-  const double mass = by == "mass" ? given : given * primitive_volume(shape, lengths);
-  if (!std::isnormal(mass)) table.fail(by, "a mass within the range of double precision");
-  return primitive(shape, lengths, mass);
-}
-
-MassProperties read_part(const SceneTable& part) {
-  const MassProperties own = read_primitive(part, {"position", "orientation"});
-  const Quaternion q = part.has("orientation") ? part.quaternion("orientation") : Quaternion(1, 0, 0, 0);
-  return placed(own, normalised<double>(q), vec3_or_zero(part, "position"));
-}
-
-Mat3 read_tensor(const SceneTable& table) {
-  const auto v = table.numbers("inertia", {3, 6}, Sign::any);
-  Mat3 I = Vec3(v[0], v[1], v[2]).asDiagonal();
-  if (v.size() == 6) I << v[0], v[3], v[4], v[3], v[1], v[5], v[4], v[5], v[2];
-  return I;
-}
-
-Body read_body(const SceneTable& table) {
-  Body body;
-  body.form = table.one_of({"inertia", "shape", "part", "particle"});
-  if (table.has("physical")) body.physical = table.flag("physical");
-  if (body.form.empty() || body.form == "inertia") {
-    table.allow({"mass", "inertia", "shape", "part", "particle", "physical"});
-    if (table.has("mass")) body.mass = table.number("mass", Sign::positive);
-    if (!body.form.empty()) {
-      body.inertia = read_tensor(table);
-    } else {
-      if (!body.mass)
-        table.fail("mass",
-                   "a mass (then it is a particle), or inertia, shape, [[body.part]], [[body.particle]]");
-      if (table.has("physical")) table.fail("physical", "no such key: a particle has no inertia to check");
-    }
-    return body;
-  }
-  MassProperties whole;
-  if (body.form == "shape") {
-    whole = read_primitive(table, {"physical"});
-  } else if (body.form == "part") {
-    table.allow({"part", "physical"});  // each part has a mass of its own
-    std::vector<MassProperties> parts;
-    for (const auto& part : table.tables("part")) parts.push_back(read_part(part));
-    whole = joined(parts);
-  } else {
-    table.allow({"particle", "physical"});
-    std::vector<PointMass> particles;
-    for (const auto& particle : table.tables("particle")) {
-      particle.allow({"mass", "position"});
-      const double mass = particle.number("mass", Sign::positive);
-      particles.push_back({mass, particle.vec3("position")});
-    }
-    whole = mass_properties(particles);
-  }
-  body.mass = whole.mass;
-  body.center = whole.center;
-  body.inertia = whole.inertia;
-  return body;
+/// After a turn to axes that are no doubles: what 200 digits leave of a component that is zero.
+template <class V>
+void drop_rounding(V&& v) {
+  const Resolved floor = Resolved(1e-150) * v.cwiseAbs().maxCoeff();
+  for (Eigen::Index i = 0; i < v.size(); ++i)
+    if (abs(v(i)) <= floor) v(i) = Resolved(0);
 }
 
 // Reads one scene; a class, because the tables of a file refer to one another.
@@ -159,6 +81,7 @@ class Resolver {
     else
       resolve_rotation(body, initial);
     resolve_translation(body, initial);
+    scene_.exact = exact_;
     describe();
   }
 
@@ -191,62 +114,81 @@ class Resolver {
       top_.fail("attitude", "no such key: [body] has only a mass, a particle has none");
   }
 
-  double required_mass(const SceneTable& body, const std::string& why) const {
+  Resolved required_mass(const SceneTable& body, const std::string& why) const {
     if (!body_.mass) body.fail("mass", "a number > 0, the mass in kg: " + why);
     return *body_.mass;
   }
 
   // From the pivot to the centre of mass, in user axes. All loads about the pivot speak of the same body.
-  Vec3 center_from_pivot() const {
-    std::optional<Vec3> center;
+  WideVec center_from_pivot() const {
+    std::optional<WideVec> center;
     for (std::size_t i = 0; i < loads_.size(); ++i) {
       if (types_[i] != about_pivot) continue;
       const bool compound = body_.form == "part" || body_.form == "particle";
       const bool origin_is_pivot = compound && !loads_[i].has("center_of_mass");
-      const Vec3 here = origin_is_pivot ? body_.center : loads_[i].vec3("center_of_mass");
+      const WideVec here =
+          origin_is_pivot ? body_.center : WideVec(loads_[i].vec3("center_of_mass").cast<Resolved>());
       if (center && *center != here) loads_[i].fail("center_of_mass", "the same as in the loads before it");
       center = here;
     }
-    return center.value_or(Vec3::Zero());
+    return center.value_or(WideVec::Zero());
   }
 
   void resolve_rotation(const SceneTable& body, const SceneTable& initial) {
-    Mat3 inertia = body_.inertia;
-    Vec3 center = Vec3::Zero();
+    Mat3T<Resolved> inertia = body_.inertia;
     if (held_) {
-      const double mass = required_mass(body, "gravity pulls at the body");
-      center = center_from_pivot();
-      const MassProperties own{mass, center, body_.inertia};
+      const Resolved mass = required_mass(body, "gravity pulls at the body");
+      center_ = center_from_pivot();
+      const MassPropertiesT<Resolved> own{mass, center_, body_.inertia};
       if (body_.form != "inertia")
-        inertia = inertia_about(own, center);
+        inertia = inertia_about(own, center_);
       else
         note_impossible_center(own);
     }
-    const PrincipalAxes axes = principal_axes(inertia);
-    if (const std::string fault = inertia_fault(axes.moments, body_.physical); !fault.empty())
-      body.fail(body_.form, fault,
-                body_.physical ? "a body that can exist (or physical = false, if it is meant as mathematics)"
-                               : "three positive moments");
+    const PrincipalAxesT<Resolved> axes = principal_axes<Resolved>(inertia);
+    if (const InertiaFault fault = inertia_fault<Resolved>(axes.moments, body_.physical)) {
+      std::string need = "three positive moments";
+      if (fault.only_unphysical)
+        need = "a body that can exist (or physical = false, if it is meant as mathematics)";
+      else if (body_.form != "inertia")
+        need = "a body with mass off every line";
+      body.fail(body_.form, fault.text, need);
+    }
 
-    RotationData& r = scene_.rotation.emplace();
+    RotationDataT<Resolved>& r = rotation_.emplace();
     r.moments = axes.moments;
     r.principal_to_user = axes.principal_to_given;
+    turned_ = !r.principal_to_user.vec().isZero(0);
+    if (turned_) drop_rounding(r.principal_to_user.coeffs());
     r.attitude = attitude_;
     r.about_pivot = held_;
+    StatedRotation& s = exact_->stated.emplace();
+    s.inertia_U = inertia;
+    s.inverse_inertia_U = inertia.inverse();
+    s.principal_to_stated = r.principal_to_user.cast<Wide>();
     const Quaternion q_SU =
         initial.has("orientation") ? initial.quaternion("orientation") : Quaternion(1, 0, 0, 0);
-    r.q0 = q_SU * r.principal_to_user;
-    r.w0 = initial_rates(initial, normalised<double>(r.q0));
-    for (std::size_t i = 0; i < loads_.size(); ++i) add_load(i, center);
+    s.q_SU = q_SU.cast<Wide>();
+    r.q0 = q_SU.cast<Resolved>() * r.principal_to_user;
+    if (turned_) drop_rounding(r.q0.coeffs());
+    resolve_rates(initial);
+    for (std::size_t i = 0; i < loads_.size(); ++i) add_load(i);
+    exact_->rotation = cast_rotation<Wide>(r);
+    scene_.rotation = cast_rotation<double>(*exact_->rotation);
+    const Vec3& w = scene_.rotation->w0;
+    if (!w.allFinite() || !std::isfinite(w.squaredNorm()))
+      initial.fail(initial.one_of(rotation_keys), "a rate that can be computed with");
   }
 
   // An inertia about the pivot smaller than what the mass alone has there. The motion is that of the numbers
   // as given, so it is said and not refused.
-  void note_impossible_center(const MassProperties& about_pivot_given) {
-    const Vec3& d = about_pivot_given.center;
-    const Mat3 steiner = inertia_about({about_pivot_given.mass, d, Mat3::Zero()}, d);
-    const Vec3 own = principal_axes(about_pivot_given.inertia - steiner).moments;
-    const double slack = 1e-6 * about_pivot_given.inertia.diagonal().maxCoeff();  // as in inertia_fault
+  void note_impossible_center(const MassPropertiesT<Resolved>& about_pivot_given) {
+    const WideVec& d = about_pivot_given.center;
+    const MassPropertiesT<Resolved> point{about_pivot_given.mass, d, Mat3T<Resolved>::Zero()};
+    const Mat3T<Resolved> rest = about_pivot_given.inertia - inertia_about(point, d);
+    const Vec3 own = principal_axes<Resolved>(rest).moments.cast<double>();
+    // As in inertia_fault.
+    const double slack = 1e-6 * about_pivot_given.inertia.diagonal().maxCoeff().convert_to<double>();
     for (int i = 0; i < 3 && body_.physical; ++i)
       if (own[i] < -slack || own[(i + 1) % 3] + own[(i + 2) % 3] < own[i] - slack) {
         scene_.notes.push_back(
@@ -257,54 +199,82 @@ class Resolver {
   }
 
   // w0 in principal components.
-  Vec3 initial_rates(const SceneTable& initial, const Quaternion& q_SP) const {
-    const RotationData& r = *scene_.rotation;
+  void resolve_rates(const SceneTable& initial) {
+    RotationDataT<Resolved>& r = *rotation_;
     const std::string key = initial.one_of(rotation_keys);
     if (key.empty())
       initial.fail("angular_velocity",
                    "one of " + name_list(rotation_keys) + " ([0, 0, 0] for a body at rest)");
     const Vec3 given = initial.vec3(key);
-    Vec3 w = key == "angular_velocity" ? to_principal(given) : to_body<double>(q_SP, given);
-    if (key == "angular_momentum") w = w.cwiseQuotient(r.moments);
-    if (!w.allFinite() || !std::isfinite(w.squaredNorm()))
-      initial.fail(key, "a rate that can be computed with");
-    return w;
+    exact_->stated->given = given.cast<Wide>();
+    if (key == "angular_velocity") {
+      exact_->stated->form = StatedRates::body;
+      r.w0 = to_principal(given.cast<Resolved>());
+    } else {
+      // With q as it is: of doubles, 200 digits hold each product.
+      r.w0 = to_body<Resolved>(r.q0, given.cast<Resolved>());
+      if (turned_) drop_rounding(r.w0);
+      exact_->stated->form = StatedRates::space;
+      if (key == "angular_momentum") {
+        exact_->stated->form = StatedRates::momentum;
+        r.w0 = r.w0.cwiseQuotient(r.moments).eval();
+      }
+    }
   }
 
-  Vec3 to_principal(const Vec3& a_user) const {
-    return to_body<double>(scene_.rotation->principal_to_user, a_user);
+  WideVec to_principal(const WideVec& a_user) const {
+    if (!turned_) return a_user;
+    WideVec a = to_body<Resolved>(rotation_->principal_to_user, a_user);
+    drop_rounding(a);
+    return a;
   }
 
-  void add_load(std::size_t i, const Vec3& center) {
+  void add_load(std::size_t i) {
     const SceneTable& load = loads_[i];
     const std::string& type = types_[i];
-    RotationData& r = *scene_.rotation;
-    std::optional<AnyTorque<double>> torque;
+    RotationDataT<Resolved>& r = *rotation_;
+    std::optional<AnyTorque<Resolved>> torque;
+    StatedLoad stated;
+    using Kind = StatedLoad::Kind;
     bool zero = false, needs_attitude = true;
     if (type == about_pivot) {
       const Vec3 g = load.vec3("acceleration");
-      torque = GravityAboutPivot<double>{*body_.mass, g, to_principal(center)};
-      zero = g.isZero(0) || center.isZero(0);
+      torque = GravityAboutPivot<Resolved>{*body_.mass, g.cast<Resolved>(), to_principal(center_)};
+      stated.kind = Kind::gravity_about_pivot;
+      stated.vector = g.cast<Wide>();
+      stated.center = center_.cast<Wide>();
+      stated.number = Wide(*body_.mass);
+      zero = g.isZero(0) || center_.isZero(0);
     } else if (type == angular_drag) {
       const Vec3 c = load.vec3("coefficients", Sign::not_negative);
-      torque = AngularDrag<double>{in_principal_axes(c, r)};
+      torque = AngularDrag<Resolved>{in_principal_axes(c)};
+      stated.kind = Kind::drag;
+      stated.matrix = c.cast<Wide>().asDiagonal();
       zero = c.isZero(0);
       needs_attitude = false;
     } else if (type == attitude_spring) {
       const double k = load.number("stiffness", Sign::not_negative),
                    c = load.number("damping", Sign::not_negative);
-      torque = AttitudeSpring<double>{k, c, r.principal_to_user};
+      torque = AttitudeSpring<Resolved>{k, c, r.principal_to_user};
+      stated.kind = Kind::spring;
+      stated.number = k;
+      stated.damping = c;
       zero = k == 0 && c == 0;
     } else if (type == constant_torque) {
       const Vec3 tau = load.vec3("torque");
       needs_attitude = load.choice("frame", {"body", "space"}) == "space";
+      stated.kind = needs_attitude ? Kind::space_torque : Kind::body_torque;
+      stated.vector = tau.cast<Wide>();
       if (needs_attitude)
-        torque = ConstantTorque<double, Frame::space>{tau};
+        torque = ConstantTorque<Resolved, Frame::space>{tau.cast<Resolved>()};
       else
-        torque = ConstantTorque<double, Frame::body>{to_principal(tau)};
+        torque = ConstantTorque<Resolved, Frame::body>{to_principal(tau.cast<Resolved>())};
       zero = tau.isZero(0);
     } else if (type == gravity_gradient) {
-      torque = GravityGradient<double>{load.number("mean_motion", Sign::positive), r.moments};
+      const double n = load.number("mean_motion", Sign::positive);
+      torque = GravityGradient<Resolved>{n, r.moments};
+      stated.kind = Kind::gravity_gradient;
+      stated.number = n;
     }
     if (!torque) return;  // a force on the centre of mass
     if (needs_attitude && !attitude_)
@@ -315,11 +285,16 @@ class Resolver {
       return;
     }
     r.loads.push_back(*torque);
+    exact_->stated->loads.push_back(stated);
   }
 
-  static Mat3 in_principal_axes(const Vec3& c_user, const RotationData& r) {
-    const Mat3 R = rotation_matrix<double>(r.principal_to_user);
-    return R.transpose() * c_user.asDiagonal() * R;
+  Mat3T<Resolved> in_principal_axes(const Vec3& c_user) const {
+    const Mat3T<Resolved> C = c_user.cast<Resolved>().asDiagonal();
+    if (!turned_) return C;
+    const Mat3T<Resolved> R = rotation_matrix<Resolved>(rotation_->principal_to_user);
+    Mat3T<Resolved> turned = R.transpose() * C * R;
+    drop_rounding(turned);
+    return turned;
   }
 
   // Whether its places are numbers is asked when it is turned.
@@ -343,22 +318,23 @@ class Resolver {
     for (const char* key : {"position", "velocity"})
       if (held_ && initial.has(key)) initial.fail(key, "no such key: gravity_about_pivot holds the body");
     const Vec3 p0 = vec3_or_zero(initial, "position"), v0 = vec3_or_zero(initial, "velocity");
-    TranslationData t;
+    TranslationDataT<Resolved> t;
     for (std::size_t i = 0; i < loads_.size(); ++i) {
-      if (types_[i] == gravity) t.acceleration += loads_[i].vec3("acceleration");
+      if (types_[i] == gravity) t.acceleration += loads_[i].vec3("acceleration").cast<Resolved>();
       if (types_[i] == linear_drag) t.drag += loads_[i].number("coefficient", Sign::not_negative);
     }
     const bool moves = pushed_ || !v0.isZero(0);
     if (body_.form.empty() && !moves)
       initial.fail("velocity", "a velocity, or a [[load]] that pushes: the particle never moves");
     if (!moves || (scene_.rotation && !attitude_)) return;
-    if (!t.acceleration.allFinite() || !std::isfinite(t.drag))
-      top_.fail("load", "loads that can be added up");
     t.mass = required_mass(body, "the centre of mass moves");
-    t.p0 = p0;
-    t.v0 = v0;
+    t.p0 = p0.cast<Resolved>();
+    t.v0 = v0.cast<Resolved>();
     t.has_force = !t.acceleration.isZero(0) || t.drag > 0;
-    scene_.translation = t;
+    exact_->translation = cast_translation<Wide>(t);
+    scene_.translation = cast_translation<double>(*exact_->translation);
+    if (!scene_.translation->acceleration.allFinite() || !std::isfinite(scene_.translation->drag))
+      top_.fail("load", "loads that can be added up");
   }
 
   void describe() {
@@ -384,8 +360,11 @@ class Resolver {
 
   const SceneTable& top_;
   Scene& scene_;
+  std::shared_ptr<ExactScene> exact_ = std::make_shared<ExactScene>();
+  std::optional<RotationDataT<Resolved>> rotation_;
+  WideVec center_ = WideVec::Zero();  // of mass, from the pivot, in user axes
   Body body_;
-  bool attitude_ = true, held_ = false, pushed_ = false;
+  bool attitude_ = true, held_ = false, pushed_ = false, turned_ = false;
   std::vector<SceneTable> loads_;
   std::vector<std::string> types_;
 };

@@ -2,9 +2,11 @@
 //
 // A scene is a particle part and a rotation part, each optional. It is read from a TOML file (format:
 // README); the built-in ones are files of the same format in models/scenes. Mass properties are reduced to
-// principal axes here, once, in double: the truth solves exactly the problem that these doubles state.
+// principal axes in wide arithmetic: the truth solves what the numbers of the file say
+// (models/exact_scene.hpp), and solvers start from the doubles nearest to it.
 #pragma once
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,25 +17,32 @@
 namespace polhode {
 
 /// The rotation of the body, in its principal frame ("_B" below).
-struct RotationData {
-  Vec3 moments;  // principal moments [kg m^2], about the pivot if about_pivot
-  Quaternion principal_to_user{1, 0, 0,
-                               0};  // turns principal into user body components; identity if given principal
-  Quaternion q0{1, 0, 0, 0};        // principal -> space, as given: not normalised
-  Vec3 w0 = Vec3::Zero();           // rad/s, principal components
-  std::vector<AnyTorque<double>> loads;  // in principal components
-  bool attitude = true;                  // false: body rates alone
-  bool about_pivot = false;              // held at the space origin
+template <class S>
+struct RotationDataT {
+  Vec3T<S> moments;  // principal moments [kg m^2], about the pivot if about_pivot
+  // Turns principal into user body components; identity if given principal.
+  QuaternionT<S> principal_to_user{S(1), S(0), S(0), S(0)};
+  QuaternionT<S> q0{S(1), S(0), S(0), S(0)};  // principal -> space, as given: not normalised
+  Vec3T<S> w0 = Vec3T<S>::Zero();             // rad/s, principal components
+  std::vector<AnyTorque<S>> loads;            // in principal components
+  bool attitude = true;                       // false: body rates alone
+  bool about_pivot = false;                   // held at the space origin
 };
+using RotationData = RotationDataT<double>;
 
 /// The motion of the centre of mass, in space components.
-struct TranslationData {
-  double mass = 1;  // kg
-  Vec3 p0 = Vec3::Zero(), v0 = Vec3::Zero();
-  Vec3 acceleration = Vec3::Zero();  // sum of the gravity loads, m/s^2
-  double drag = 0;                   // sum of the linear drag coefficients b, kg/s
+template <class S>
+struct TranslationDataT {
+  S mass = S(1);  // kg
+  Vec3T<S> p0 = Vec3T<S>::Zero(), v0 = Vec3T<S>::Zero();
+  Vec3T<S> acceleration = Vec3T<S>::Zero();  // sum of the gravity loads, m/s^2
+  S drag = S(0);                             // sum of the linear drag coefficients b, kg/s
   bool has_force = false;
 };
+using TranslationData = TranslationDataT<double>;
+
+/// What the file says before it is rounded to doubles: models/exact_scene.hpp.
+struct ExactScene;
 
 /// A number of the scene file that a stability study varies: the file with another value there.
 struct Dial {
@@ -54,6 +63,7 @@ struct Scene {
   double duration = 0;  // s
   std::optional<RotationData> rotation;
   std::optional<TranslationData> translation;
+  std::shared_ptr<const ExactScene> exact;  // ask exact_scene(scene); null where a program made the scene
   std::optional<Dial> dial;
   std::vector<std::string> notes;     // what its reader should know, a sentence each; usually none
   std::vector<std::string> left_out;  // what the equations do without, a phrase each ("no translation: ...")

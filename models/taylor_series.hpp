@@ -1,6 +1,7 @@
 // The Taylor series of a model's solution about a state, of any order, in any number type.
 #pragma once
 #include <cmath>
+#include <string>
 #include <vector>
 
 #include "models/body.hpp"
@@ -92,6 +93,16 @@ class TaylorSeries {
       crossed = s;
     }
     return until;
+  }
+  /// The held signs, one character each, and back: what a step needs besides t and y.
+  std::string held_signs() {
+    std::string held;
+    for (const int s : signs_) held += tape_.nodes()[static_cast<std::size_t>(s)].constant < S(0) ? '-' : '+';
+    return held;
+  }
+  void hold_signs(const std::string& held) {
+    for (std::size_t i = 0; i < signs_.size() && i < held.size(); ++i)
+      tape_.nodes()[static_cast<std::size_t>(signs_[i])].constant = S(held[i] == '-' ? -1 : 1);
   }
   void flip_sign(int node) {
     auto& n = tape_.nodes()[static_cast<std::size_t>(node)];

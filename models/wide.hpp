@@ -1,16 +1,47 @@
-// The wide number type of every truth: 50 decimal digits (168 bits), software arithmetic, correctly rounded.
-// 113 bits would be enough for the arithmetic, but not for bodies near the separatrix, whose motion amplifies
-// a rounding error by 1e10 and more: 30 digits of result then need more than 34 digits of arithmetic.
+// The wide number types of every truth: software arithmetic of a fixed number of decimal digits, correctly
+// rounded (MPFR).
+//
+// Wide has 50 digits (168 bits). 113 bits would be enough for the arithmetic, but not for bodies near the
+// separatrix, whose motion amplifies a rounding error by 1e10 and more: 30 digits of result then need more
+// than 34 digits of arithmetic. Exponents have 31 bits and more, so that no square of a double's range
+// vanishes or overflows. A number without a value is not a number, not zero.
 #pragma once
 #include <Eigen/Core>
-#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <boost/multiprecision/mpfr.hpp>
+
+#include "models/convolution.hpp"
+#include "models/momentum_excess.hpp"
 
 namespace polhode {
 template <unsigned decimal_digits>
-using Decimal = boost::multiprecision::number<boost::multiprecision::cpp_bin_float<decimal_digits>,
-                                              boost::multiprecision::et_off>;
+using Decimal = boost::multiprecision::number<
+    boost::multiprecision::mpfr_float_backend<decimal_digits, boost::multiprecision::allocate_stack>,
+    boost::multiprecision::et_off>;
 using Wide = Decimal<50>;
-using Narrower = Decimal<40>;  // what a closed form in Wide is checked against
+using Narrower = Decimal<40>;   // what a closed form in Wide is checked against
+using Resolved = Decimal<200>;  // in which a scene file is resolved, before it is rounded to Wide
+
+/// A sum of products of five numbers, exactly.
+template <unsigned decimal_digits>
+struct ExactProducts<Decimal<decimal_digits>> {
+  using Type = Decimal<6 * decimal_digits>;
+};
+
+template <unsigned decimal_digits>
+struct Convolution<Decimal<decimal_digits>> {
+  using S = Decimal<decimal_digits>;
+  void operator()(S& sum, const S* a, const S* b, int k, int first, int last) {
+    mpfr_ptr total = sum.backend().data(), product = product_.backend().data();
+    mpfr_set_zero(total, 1);
+    for (int j = first; j <= last; ++j) {
+      mpfr_mul(product, a[j].backend().data(), b[k - j].backend().data(), MPFR_RNDN);
+      mpfr_add(total, total, product, MPFR_RNDN);
+    }
+  }
+
+ private:
+  S product_{0};
+};
 }  // namespace polhode
 
 namespace Eigen {

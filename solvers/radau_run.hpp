@@ -28,11 +28,18 @@ template <class S>
 class RadauRun {
  public:
   using State = std::vector<S>;
+  using Stages = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
+  /// A step that was taken: the states at its nodes are y and y + a column of z.
+  struct Step {
+    S t, h;
+    State y;
+    Stages z;
+  };
 
   /// doubles   the same equations in double precision, for the Jacobian
   template <class M>
   RadauRun(const M& m, const ErasedModel& doubles, int stages)
-      : rhs_([&m](const S& t, const S* y, S* d) { m.rhs(t, y, d); }),
+      : rhs_([m](const S& t, const S* y, S* d) { m.rhs(t, y, d); }),
         n_(M::size),
         doubles_(doubles),
         table_(stages),
@@ -47,18 +54,22 @@ class RadauRun {
 
   /// Goes from (t, y) through the asked times (increasing, >= t), calling visit(time, state) at each. Returns
   /// the steps, or -1 if it took more than `step_limit` or found no step size; t and y are where it stands.
-  std::int64_t run(S& t, std::span<S> y, std::span<const double> times, double tolerance,
-                   std::int64_t step_limit, const std::function<void(const S&, std::span<const S>)>& visit) {
+  template <class Time>
+  std::int64_t run(S& t, std::span<S> y, std::span<const Time> times, double tolerance,
+                   std::int64_t step_limit, const std::function<void(const S&, std::span<const S>)>& visit,
+                   const std::function<void(const Step&)>& took = {},
+                   const std::function<void()>& begin = {}) {
     std::size_t next = 0;
     for (; next < times.size() && S(times[next]) <= t; ++next) visit(t, y);
     if (next == times.size()) return 0;
-    const double end = times.back();
-    const double begin = static_cast<double>(t);
-    S h(std::min(end - begin, 1e-2 / std::max(largest_rate(begin, y), 1 / (end - begin))));
+    const auto end = static_cast<double>(times.back());
+    const double start = static_cast<double>(t);
+    S h(std::min(end - start, 1e-2 / std::max(largest_rate(start, y), 1 / (end - start))));
     std::int64_t steps = 0, tries = 0;
     while (next < times.size()) {
       if (steps == step_limit || ++tries > 2 * step_limit || !(t + h > t)) return -1;
-      if (h > S(end) - t) h = S(end) - t;
+      if (h > S(times.back()) - t) h = S(times.back()) - t;
+      if (begin) begin();
       const double error = solve(t, y, h) ? truncation(y) : -1;
       if (error < 0) {
         h /= S(4);
@@ -70,7 +81,8 @@ class RadauRun {
         continue;
       }
       for (; next < times.size() && S(times[next]) <= t + h; ++next)
-        visit(S(times[next]), inside(y, S((S(times[next]) - t) / h)));
+        visit(S(times[next]), inside(y, z_, S((S(times[next]) - t) / h)));
+      if (took) took({t, h, State(y.begin(), y.end()), z_});
       for (int i = 0; i < n_; ++i) y[std::size_t(i)] += z_(i, s_ - 1);
       t += h;
       h *= S(std::clamp(factor, 0.2, 4.0));
@@ -79,8 +91,26 @@ class RadauRun {
     return steps;
   }
 
+  /// The collocation polynomial at a fraction of a step.
+  State inside(std::span<const S> y, const Stages& z, const S& fraction) const {
+    State x(y.begin(), y.end());
+    S sum(0);
+    std::vector<S> parts;
+    for (std::size_t k = 0; k < table_.nodes.size(); ++k) {
+      const S gap = fraction - table_.nodes[k];
+      if (gap == S(0)) {
+        for (int i = 0; i < n_ && k > 0; ++i) x[std::size_t(i)] += z(i, static_cast<int>(k) - 1);
+        return x;
+      }
+      parts.push_back(table_.weights[k] / gap);
+      sum += parts.back();
+    }
+    for (int i = 0; i < n_; ++i)
+      for (int j = 0; j < s_; ++j) x[std::size_t(i)] += parts[std::size_t(j) + 1] / sum * z(i, j);
+    return x;
+  }
+
  private:
-  using Stages = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
   using Scales = std::vector<double>;
 
   Eigen::MatrixXd jacobian(double t, std::span<const S> y) const {
@@ -182,22 +212,6 @@ class RadauRun {
       worst = std::max(worst, last * fall);
     }
     return worst;
-  }
-
-  /// The collocation polynomial at a fraction of the step.
-  State inside(std::span<const S> y, const S& fraction) const {
-    State x(y.begin(), y.end());
-    S sum(0);
-    std::vector<S> parts;
-    for (std::size_t k = 0; k < table_.nodes.size(); ++k) {
-      const S gap = fraction - table_.nodes[k];
-      if (gap == S(0)) return k == 0 ? x : stage(y, static_cast<int>(k) - 1);
-      parts.push_back(table_.weights[k] / gap);
-      sum += parts.back();
-    }
-    for (int i = 0; i < n_; ++i)
-      for (int j = 0; j < s_; ++j) x[std::size_t(i)] += parts[std::size_t(j) + 1] / sum * z_(i, j);
-    return x;
   }
 
   std::function<void(const S&, const S*, S*)> rhs_;

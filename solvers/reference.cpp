@@ -1,117 +1,114 @@
-// The reference: the closed form of the scene in 50 digits where it has one, else a Taylor series of
-// order 48.
-// The latter (solvers/taylor_run.hpp) is run twice, at two orders and tolerances; the difference is the
-// stated uncertainty, as is that of a closed form to the same in 40 digits.
+// The reference: the motion of a scene in 50 digits, by its closed form, by Radau IIA or by Taylor series,
+// found once, proven each time that it is used.
 #include "solvers/reference.hpp"
 
-#include "models/closed_form.hpp"
 #include "models/errors.hpp"
-#include "solvers/taylor_run.hpp"
+#include "solvers/exact_motion.hpp"
+#include "solvers/proof.hpp"
 #include "solvers/thread_time.hpp"
-#include "solvers/wide_sample.hpp"
 
 namespace polhode {
 namespace {
 
-template <class M>
-std::vector<WideSample> run(const M& m, std::span<const double> times, int order, double log2_tolerance,
-                            std::int64_t& steps) {
-  constexpr std::int64_t step_limit = 300'000;
-  TaylorSeries<M> series(m, order);
-  std::vector<WideSample> samples;
-  samples.reserve(times.size());
-  Wide t(0);
-  typename M::State y = m.initial;
-  steps = taylor_run(series, t, y, times, log2_tolerance, step_limit, [&](const Wide& at, const auto& state) {
-    samples.push_back(wide_sample(m, at, state));
-  });
-  if (steps < 0)
-    throw Error(70, "the reference solution took " + std::to_string(step_limit) +
-                        " steps to reach t = " + std::to_string(t.convert_to<double>()) +
-                        " s: the scene is too stiff for an explicit series");
-  return samples;
-}
+/// Beyond it a truth is none.
+constexpr double worst_uncertainty = 1e-6;
 
-}  // namespace
-
-namespace {
-
-/// The closed form of the scene; in 40 digits as well at up to 17 of the times.
-Truth written_solution(const Scene& scene, std::span<const double> times, const ClosedForm<Wide>& form) {
-  Truth truth;
-  truth.kind = "closed form: " + closed_form_kind(scene) + ", in 50 digits against 40";
-  with_general_model<Wide>(scene, [&](const auto& m) {
-    using M = std::remove_cvref_t<decltype(m)>;
-    for (const double t : times) {
-      const ExactState<Wide> x = form.at(Wide(t));
-      typename M::State y = m.initial;
-      if constexpr (M::has_attitude) {
-        const Wide q[] = {x.q.w(), x.q.x(), x.q.y(), x.q.z()};
-        std::copy(q, q + 4, y.begin());
-      }
-      for (std::size_t i = 0; i < 3; ++i) {
-        const auto k = static_cast<int>(i);
-        if constexpr (M::has_rotation) y[std::size_t(M::Rotating::w_at) + i] = x.w_B[k];
-        if constexpr (M::has_translation) {
-          y[std::size_t(M::rotation_size) + i] = x.p[k];
-          y[std::size_t(M::rotation_size) + 3 + i] = x.v[k];
-        }
-      }
-      truth.samples.push_back(wide_sample(m, Wide(t), y));
-    }
-  });
-  const auto narrower = closed_form<Narrower>(scene);
-  const std::size_t every = std::max<std::size_t>(1, times.size() / 16);
-  for (std::size_t i = (times.size() - 1) % every; i < times.size(); i += every) {
-    const ExactState<Narrower> x = narrower->at(Narrower(times[i]));
-    const bool attitude = scene.rotation && scene.rotation->attitude;
-    widen_uncertainty(truth, i, attitude ? QuaternionT<Wide>(x.q.cast<Wide>()) : truth.samples[i].q,
-                      x.w_B.cast<Wide>());
-  }
-  return truth;
-}
-
-}  // namespace
-
-Truth reference_solution(const Scene& scene, std::span<const double> times) {
-  const double began = thread_seconds();
-  if (const auto form = closed_form<Wide>(scene); form && !times.empty()) {
-    Truth truth = written_solution(scene, times, *form);
-    truth.cost_s = thread_seconds() - began;
-    return truth;
-  }
-  if (is_stiff(scene, times)) try {
-      return implicit_solution(scene, times);
+std::shared_ptr<const ExactMotion> found(const Scene& scene, double until, const Allowance& allowance) {
+  if (auto closed = closed_motion(scene)) return closed;
+  if (is_stiff(scene, until)) try {
+      return implicit_motion(scene, until, allowance);
     } catch (const Error&) {
       // A torque that jumps has no smooth step across; the series holds its sign and stops at the jump.
     }
-  return series_solution(scene, times);
+  return series_motion(exact_scene(scene), until, allowance);
 }
 
-Truth series_solution(const Scene& scene, std::span<const double> times) {
+/// The truth of a motion that has been found: its samples, how certain they are, and the proof of both.
+Truth truth_of_motion(const Scene& scene, const ExactMotion& motion, double until,
+                      std::span<const double> times, const Allowance& allowance) {
   const double began = thread_seconds();
   Truth truth;
-  truth.kind = "Taylor series of order 48 in 50 digits, against order 40";
-  with_general_model<Wide>(scene, [&](const auto& m) {
-    truth.samples = run(m, times, 48, -143, truth.steps);  // 2^-143 = 1e-43
-    std::int64_t steps = 0;
-    const auto coarse = run(m, times, 40, -120, steps);  // 2^-120 = 1e-36
-    for (std::size_t i = 0; i < truth.samples.size(); ++i)
-      widen_uncertainty(truth, i, coarse[i].q, coarse[i].w_B);
-  });
+  truth.kind = motion.kind();
+  truth.steps = motion.steps();
+  if (times.empty()) return truth;
+  const std::vector<Wide> wide_times(times.begin(), times.end());
+  truth.samples = motion.at(wide_times, allowance);
+  ExactMotion::Uncertainty u = motion.uncertainty(truth.samples, allowance);
+  const ExactScene exact = exact_scene(scene);
+  const double least = least_uncertainty(exact, truth.samples);
+  // Not std::max: what is not a number is to be refused.
+  if (u.attitude < least) u.attitude = least;
+  if (u.rate < least) u.rate = least;
+  if (!(u.attitude <= worst_uncertainty) || !(u.rate <= worst_uncertainty))
+    throw Refused("50 digits do not reach: the attitude is certain to " + number_text(u.attitude) +
+                  " rad, the rates to " + number_text(u.rate));
+  prove(scene.id, exact, motion, until, truth.samples, u, allowance);
+  if (!scene.rotation || scene.rotation->attitude) truth.attitude_uncertainty = u.attitude;
+  truth.rate_uncertainty = u.rate;
   truth.cost_s = thread_seconds() - began;
   return truth;
 }
 
-Motion::Motion(const Scene& scene, double until, const Allowance& allowance) : scene_(scene), until_(until) {
-  allowance.spend();
+Truth truth_by(std::shared_ptr<const ExactMotion> motion, double began, const Scene& scene,
+               std::span<const double> times, const Allowance& allowance) {
+  Truth truth = truth_of_motion(scene, *motion, times.empty() ? 0 : times.back(), times, allowance);
+  truth.cost_s = thread_seconds() - began;
+  return truth;
 }
+
+}  // namespace
+
+Motion::Motion(const Scene& scene, double until, const Allowance& allowance) : Motion(scene, until, nullptr) {
+  const double began = thread_seconds();
+  motion_ = found(scene, until, allowance);
+  cost_s_ = thread_seconds() - began;
+}
+Motion::Motion(const Scene& scene, double until, std::shared_ptr<const ExactMotion> motion)
+    : scene_(scene), until_(until), motion_(std::move(motion)) {}
+
 Truth Motion::at(std::span<const double> times, const Allowance& allowance) const {
-  allowance.spend();
-  return reference_solution(scene_, times);
+  Truth truth = truth_of_motion(scene_, *motion_, until_, times, allowance);
+  truth.cost_s += cost_s_;
+  return truth;
 }
-std::string Motion::saved() const { return ""; }
-std::optional<Motion> Motion::restored(const Scene&, std::string_view) { return {}; }
+
+std::string Motion::saved() const {
+  const std::string bytes = motion_->saved();
+  if (bytes.empty()) return bytes;
+  return std::to_string(cost_s_) + ' ' + Wide(until_).str(0, std::ios_base::scientific) + ' ' + bytes;
+}
+
+std::optional<Motion> Motion::restored(const Scene& scene, std::string_view bytes) try {
+  const std::size_t first = bytes.find(' '), second = bytes.find(' ', first + 1);
+  if (first == bytes.npos || second == bytes.npos) return {};
+  const double cost = std::stod(std::string(bytes.substr(0, first)));
+  const auto until = Wide(std::string(bytes.substr(first + 1, second - first - 1))).convert_to<double>();
+  bytes.remove_prefix(second + 1);
+  std::shared_ptr<const ExactMotion> motion = bytes.starts_with("series")
+                                                  ? restored_series(exact_scene(scene), bytes)
+                                                  : restored_implicit(scene, bytes);
+  if (!motion) return {};
+  Motion restored(scene, until, std::move(motion));
+  restored.cost_s_ = cost;
+  return restored;
+} catch (const std::exception&) {
+  return {};  // a number that is none, an end before the end: not what `saved` gave
+}
+
+Truth reference_solution(const Scene& scene, std::span<const double> times, const Allowance& allowance) {
+  const double began = thread_seconds();
+  return truth_by(found(scene, times.empty() ? 0 : times.back(), allowance), began, scene, times, allowance);
+}
+Truth series_solution(const Scene& scene, std::span<const double> times, const Allowance& allowance) {
+  const double began = thread_seconds();
+  return truth_by(series_motion(exact_scene(scene), times.empty() ? 0 : times.back(), allowance), began,
+                  scene, times, allowance);
+}
+Truth implicit_solution(const Scene& scene, std::span<const double> times, const Allowance& allowance) {
+  const double began = thread_seconds();
+  return truth_by(implicit_motion(scene, times.empty() ? 0 : times.back(), allowance), began, scene, times,
+                  allowance);
+}
 
 namespace {
 
@@ -119,16 +116,17 @@ Vec3 narrow(const Vec3T<Wide>& v) {
   return Vec3(v.x().convert_to<double>(), v.y().convert_to<double>(), v.z().convert_to<double>());
 }
 
-Prepared prepare_reference(const Scene& scene, const Setting&) {
-  return {[scene](const Grid& grid, Trajectory& out) {
+Prepared prepare_reference(const Scene& scene, const Setting& setting) {
+  return {[scene, timeout = setting.timeout_s](const Grid& grid, Trajectory& out) {
+            const Allowance allowance(timeout, {});
             std::vector<double> times;
             if (grid.from_start) times.push_back(0);
             for (const auto& s : grid.stretches) times.push_back(s.t_end);
             out = {};
             Truth truth;
             try {
-              truth = reference_solution(scene, times);
-            } catch (const Error& e) {
+              truth = reference_solution(scene, times, allowance);
+            } catch (const Refused& e) {
               out.outcome = Outcome::step_limit;
               out.reason = e.what();
               return;

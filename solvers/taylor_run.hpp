@@ -58,13 +58,17 @@ double series_step(const TaylorSeries<M>& series, double log2_tolerance) {
   return std::exp2(log2_h);
 }
 
-/// Goes from (t, y) through the asked times (increasing, >= t), calling visit(time, state) at each.
-/// Returns the number of steps, or -1 if it was left for having taken `step_limit`; t and y are where it
-/// stands.
-template <class M, class Visit>
+struct Nothing {
+  void operator()() const {}
+};
+
+/// Goes from (t, y) through the asked times (increasing, >= t), calling visit(time, state) at each and
+/// begin() before each step. Returns the number of steps, or -1 if it was left for having taken `step_limit`;
+/// t and y are where it stands.
+template <class M, class Time, class Visit, class Begin = Nothing>
 std::int64_t taylor_run(TaylorSeries<M>& series, typename M::Scalar& t, typename M::State& y,
-                        std::span<const double> times, double log2_tolerance, std::int64_t step_limit,
-                        const Visit& visit) {
+                        std::span<const Time> times, double log2_tolerance, std::int64_t step_limit,
+                        const Visit& visit, const Begin& begin = {}) {
   using S = typename M::Scalar;
   series.settle_signs(t, y);
   std::size_t next = 0;
@@ -72,6 +76,7 @@ std::int64_t taylor_run(TaylorSeries<M>& series, typename M::Scalar& t, typename
   std::int64_t steps = 0;
   for (; next < times.size(); ++steps) {
     if (steps == step_limit) return -1;
+    begin();
     series.expand(t, y);
     S h(series_step(series, log2_tolerance));
     const S left = S(times.back()) - t;

@@ -1,7 +1,12 @@
-// What every truth does with its states: samples, and the difference of two runs as uncertainty.
+// What every truth does with its states: samples, the difference of two runs as uncertainty, words to keep.
 #pragma once
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
 #include "models/model.hpp"
-#include "solvers/reference.hpp"
+#include "solvers/exact_motion.hpp"
 
 namespace polhode {
 
@@ -23,18 +28,48 @@ WideSample wide_sample(const M& m, const Wide& t, const typename M::State& y) {
   return s;
 }
 
-/// The stated uncertainty becomes the difference of sample i to (q, w_B), where that is larger. Rates below
-/// 1e-30 of the fastest count as zero.
-inline void widen_uncertainty(Truth& truth, std::size_t i, const QuaternionT<Wide>& q,
-                              const Vec3T<Wide>& w_B) {
-  const WideSample& s = truth.samples[i];
-  truth.attitude_uncertainty =
-      std::max(truth.attitude_uncertainty, attitude_error<Wide>(s.q, q).convert_to<double>());
-  Wide scale = s.w_B.norm();
-  for (const WideSample& other : truth.samples) scale = std::max(scale, Wide(Wide(1e-30) * other.w_B.norm()));
-  if (scale > 0)
-    truth.rate_uncertainty =
-        std::max(truth.rate_uncertainty, Wide((s.w_B - w_B).norm() / scale).convert_to<double>());
+/// The difference of a sample to (q, w_B), where that is larger than what u says. Rates slower than `least`
+/// count as zero.
+inline void widen(ExactMotion::Uncertainty& u, const WideSample& s, const QuaternionT<Wide>& q,
+                  const Vec3T<Wide>& w_B, const Wide& least) {
+  // Not std::max, which drops what is not a number.
+  const auto larger = [](double a, double b) { return a >= b ? a : b; };
+  u.attitude = larger(u.attitude, attitude_error<Wide>(s.q, q).convert_to<double>());
+  const Wide scale = std::max(Wide(s.w_B.norm()), least);
+  if (scale > 0) u.rate = larger(u.rate, Wide((s.w_B - w_B).norm() / scale).convert_to<double>());
 }
+
+/// Below it a rate has died out: 1e-30 of the fastest.
+inline Wide least_rate(std::span<const WideSample> samples) {
+  Wide fastest(0);
+  for (const WideSample& s : samples) fastest = std::max(fastest, Wide(s.w_B.norm()));
+  return Wide(1e-30) * fastest;
+}
+
+/// Numbers of a saved motion as words, digit by digit, and back.
+class Words {
+ public:
+  void add(const Wide& x) { text += x.str(0, std::ios_base::scientific) + ' '; }
+  void add(std::int64_t n) { text += std::to_string(n) + ' '; }
+  void add(const std::string& word) { text += word + ' '; }
+
+  std::string text;
+};
+class WordReader {
+ public:
+  explicit WordReader(std::string_view text) : text_(text) {}
+  std::string word() {
+    const std::size_t end = std::min(text_.find(' '), text_.size());
+    std::string w(text_.substr(0, end));
+    text_.remove_prefix(std::min(end + 1, text_.size()));
+    if (w.empty()) throw std::invalid_argument("a saved motion ends early");
+    return w;
+  }
+  Wide number() { return Wide(word()); }
+  std::int64_t integer() { return std::stoll(word()); }
+
+ private:
+  std::string_view text_;
+};
 
 }  // namespace polhode
