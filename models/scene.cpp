@@ -152,6 +152,8 @@ class Resolver {
         need = "a body that can exist (or physical = false, if it is meant as mathematics)";
       else if (body_.form != "inertia")
         need = "a body with mass off every line";
+      else if (!inertia.isDiagonal(Resolved(0)))
+        need += " (six numbers are xx, yy, zz, xy, xz, yz, in this order)";
       body.fail(body_.form, fault.text, need);
     }
 

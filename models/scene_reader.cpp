@@ -54,6 +54,20 @@ std::string with_sign(Sign sign) {
   }
 }
 
+/// For keys that people try: how the same is said here. "" for any other.
+std::string other_words(const std::string& place) {
+  const auto has = [&place](const char* part) { return place.find(part) != place.npos; };
+  if (has("angular_velocity_") || has("rates") || has("rpm"))
+    return "angular_velocity in rad/s (1 deg/s is 0.017453292519943295, 1 deg/day 2.0200569120304740e-07)";
+  if (has("euler") || has("rpy") || has("quat") || has("axis_angle") || has("orientation_"))
+    return "orientation = [w, x, y, z], a quaternion that turns body into space, scalar first";
+  if (place == "body.orientation" || has("inertia_frame"))
+    return "the tensor in the axes of the body: inertia = [xx, yy, zz, xy, xz, yz] of R I R^T";
+  if (place.starts_with("body.part") && (has("inertia") || has("shape")))
+    return "a shape for each part; a body known by numbers is one tensor, [body] inertia = [xx, yy, zz, xy, xz, yz]";
+  return "";
+}
+
 std::string lengths_text(const std::vector<std::size_t>& lengths) {
   std::string text;
   for (const std::size_t n : lengths) text += (text.empty() ? "" : " or ") + std::to_string(n);
@@ -87,9 +101,10 @@ void SceneTable::allow(const std::vector<std::string>& keys) const {
   for (const auto& [k, value] : *table_) {
     const std::string key(k.str());
     if (std::find(keys.begin(), keys.end(), key) != keys.end()) continue;
-    const std::string near = nearest_name(key, keys);
+    const std::string near = nearest_name(key, keys), words = other_words(name_of(key));
     fail(key, "an unknown key",
-         "one of " + name_list(keys) + (near.empty() ? "" : " (perhaps \"" + near + "\")"));
+         !words.empty() ? words
+                        : "one of " + name_list(keys) + (near.empty() ? "" : " (perhaps \"" + near + "\")"));
   }
 }
 
@@ -125,14 +140,16 @@ double SceneTable::real(const toml::node& node, const std::string& key, const st
 }
 
 double SceneTable::number(const std::string& key, Sign sign) const {
-  const std::string need = "a finite number" + with_sign(sign);
+  const std::string need = "a finite number" + with_sign(sign) + (key == "duration" ? ", in seconds" : "");
   return real(*find(key, need), key, need, sign);
 }
 
 std::vector<double> SceneTable::numbers(const std::string& key, const std::vector<std::size_t>& lengths,
                                         Sign sign) const {
-  const std::string need = "an array of " + (lengths.empty() ? "" : lengths_text(lengths) + " ") +
-                           "finite numbers" + with_sign(sign);
+  std::string need = "an array of " + (lengths.empty() ? "" : lengths_text(lengths) + " ") +
+                     "finite numbers" + with_sign(sign);
+  if (key == "inertia") need += ": three principal moments, or xx, yy, zz, xy, xz, yz";
+  if (key.starts_with("angular_velocity")) need += ", in rad/s";
   const toml::array* array = find(key, need)->as_array();
   if (!array) fail(key, need);
   if (!lengths.empty() && std::find(lengths.begin(), lengths.end(), array->size()) == lengths.end())
@@ -171,7 +188,8 @@ std::string SceneTable::text(const std::string& key) const {
 }
 
 std::string SceneTable::choice(const std::string& key, const std::vector<std::string>& choices) const {
-  const std::string need = "one of " + name_list(choices);
+  std::string need = "one of " + name_list(choices);
+  if (const std::string words = other_words(name_of(key)); !has(key) && !words.empty()) need = words;
   const auto* s = find(key, need)->as_string();
   if (!s) fail(key, need);
   if (std::find(choices.begin(), choices.end(), s->get()) == choices.end()) {
