@@ -26,8 +26,10 @@ enum class Outcome {
   timeout,
   clamped,
   asleep,
-  unsupported
+  unsupported,
+  no_truth  // the run had nothing to be measured against, and was not made
 };
+inline constexpr Outcome last_outcome = Outcome::no_truth;
 std::string_view name_of(Outcome outcome);
 
 /// The state at one asked time, in the principal frame. Parts that the scene lacks keep their defaults.

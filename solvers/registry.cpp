@@ -133,6 +133,8 @@ std::string_view name_of(Outcome outcome) {
       return "asleep";
     case Outcome::unsupported:
       return "unsupported";
+    case Outcome::no_truth:
+      return "no_truth";
   }
   return "";
 }
