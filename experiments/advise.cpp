@@ -185,13 +185,13 @@ int advise_on_scene(const Options& options) {
   Scene scene = whole;
   scene.duration = asked.times.back();
   progress(options, "advise: " + scene.id + ", truth");
-  const auto truth = truth_of(scene, asked.times);
+  const auto truth = needed_truth_of(scene, asked.times, options);
   std::vector<const Method*> methods;
   for (const Method* m : options.solvers.empty() ? all_methods() : select_methods(options.solvers))
     if (m->in_studies || !options.solvers.empty()) methods.push_back(m);
   const std::vector<Found> found = search(options, scene, *truth, asked.times, methods, norm, asked.goal);
   progress(options, "");
-  if (interrupted()) return 130;
+  if (interrupted()) throw Stopped();
 
   std::vector<Advice> ranked;
   std::vector<std::string> slow, missed, failed, unsupported;
@@ -245,8 +245,8 @@ int advise_on_scene(const Options& options) {
   note(failed, "fail on this scene");
   note(unsupported, "do not serve this scene");
   if (!notes.empty() && !options.verbose) notes += "(-v names them)\n";
-  const double floor = norm.name == "attitude" ? truth->attitude_floor
-                       : norm.name == "rate"   ? truth->rate_floor
+  const double floor = norm.name == "attitude" ? truth->floor().attitude
+                       : norm.name == "rate"   ? truth->floor().rate
                                                : 0;
   if (options.error && *options.error < floor)
     notes += fmt::format(

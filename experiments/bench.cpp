@@ -220,14 +220,17 @@ int bench_verb(const Options& options) {
     for (const Method* m : methods_of(options)) all.push_back({&scene, run_of(options, scene, *m), {}, {}});
   for_each_run(options, all.size(), [&](std::size_t i) {
     Case& c = all[i];
-    progress(options, "bench: errors, " + c.name());
     const auto times = uniform_times(c.scene->duration, 16);
-    find_errors(options, *c.scene, *truth_of(*c.scene, times), times, c.run);
+    find_errors(options, *c.scene, *truth_for({{}, {}, options}, *c.scene, times, "bench", true), times,
+                c.run);
+    progress(options, "bench: errors, " + c.name());
     c.run.run.samples.clear();
     const double end[] = {c.scene->duration};
     if (c.run.run.outcome == Outcome::ok)
       c.work = run_once(*c.run.method, *c.scene, setting_of(options, c.run), grid_of(c.run, end)).work;
   });
+
+  if (interrupted()) throw Stopped();  // nothing is measured yet
 
   // The library takes its settings from a command line of its own.
   std::vector<std::string> words{"polhode", "--benchmark_enable_random_interleaving=true",

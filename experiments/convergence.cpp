@@ -65,8 +65,8 @@ std::vector<Table> convergence(const Plan& plan) {
   for (const Scene& scene : plan.scenes) {
     if (interrupted()) break;
     const auto times = uniform_times(scene.duration, sample_count);
-    progress(plan.options, "convergence: " + scene.id + ", truth");
-    const auto truth = truth_of(scene, times);
+    const auto truth = truth_for(plan, scene, times, "convergence", true);
+    if (interrupted()) break;
     std::vector<const Method*> methods;
     for (const Method* m : plan.methods)
       if (m->by_steps) methods.push_back(m);
@@ -77,8 +77,10 @@ std::vector<Table> convergence(const Plan& plan) {
       Rung& rung = all[i];
       rung.steps = std::int64_t{1} << (first + static_cast<int>(i % rungs));
       progress(plan.options, "convergence: " + scene.id + ", " + std::string(method.id));
-      const Trajectory run =
-          run_once(method, scene, setting_of(plan.options, Knob::steps), grid_of_steps(times, rung.steps));
+      const Setting setting = setting_of(plan.options, Knob::steps);
+      const Trajectory run = truth->is_known()
+                                 ? run_once(method, scene, setting, grid_of_steps(times, rung.steps))
+                                 : run_without_truth(method, scene, setting, *truth);
       rung.outcome = run.outcome;
       tell_failure(plan.options, scene, method, run);
       if (run.outcome == Outcome::ok) rung.errors = errors_of(scene, *truth, run.samples, 1, method.epsilon);
@@ -86,11 +88,12 @@ std::vector<Table> convergence(const Plan& plan) {
     if (interrupted()) break;  // a scene is reported whole or not at all
     for (std::size_t m = 0; m < methods.size(); ++m) {
       const std::span ladder(&all[m * rungs], rungs);
-      if (ladder.front().outcome == Outcome::unsupported) {
+      const Outcome outcome = ladder.front().outcome;
+      if (outcome == Outcome::unsupported || outcome == Outcome::no_truth) {  // one row says it
         std::vector<Cell> row(std::size(convergence_columns));
         row[0] = text(scene.id);
         row[1] = text(methods[m]->id);
-        row[4] = text(name_of(Outcome::unsupported));
+        row[4] = text(name_of(outcome));
         rows.add(std::move(row));
         continue;
       }
@@ -140,8 +143,8 @@ std::vector<Table> convergence(const Plan& plan) {
       // 0.15.
       const double margin = 100 * methods[m]->epsilon / std::numeric_limits<double>::epsilon();
       const double attitude_floor =
-          margin * std::max(truth->attitude_floor, truth->truth.attitude_uncertainty);
-      const double rate_floor = margin * std::max(truth->rate_floor, truth->truth.rate_uncertainty);
+          margin * std::max(truth->floor().attitude, truth->truth.attitude_uncertainty);
+      const double rate_floor = margin * std::max(truth->floor().rate, truth->truth.rate_uncertainty);
       // Energy and momentum of a run are sums of thousands of rounded numbers.
       const double sum_floor = margin * 1e-15;
       if (scene.rotation->attitude) fit("attitude", c.attitude_order, &Errors::attitude_max, attitude_floor);

@@ -65,8 +65,8 @@ std::vector<Table> drift(const Plan& plan) {
       for (const std::int64_t n : log_spaced(steps, 48))
         times.push_back(n == steps ? scene.duration : scene.duration * double(n) / double(steps));
     }
-    progress(options, "drift: " + scene.id + ", truth");
-    const auto truth = truth_of(scene, times);
+    const auto truth = truth_for(plan, scene, times, "drift", false);
+    if (interrupted()) break;
     std::vector<const Method*> methods;
     for (const Method* m : plan.methods)
       if (m->family != "truth") methods.push_back(m);
@@ -87,7 +87,8 @@ std::vector<Table> drift(const Plan& plan) {
         values[i] = setting.rtol;
         grid = grid_of_times(times);
       }
-      runs[i] = run_once(m, scene, setting, grid);
+      runs[i] = truth->is_known() ? run_once(m, scene, setting, grid)
+                                  : run_without_truth(m, scene, setting, *truth);
       tell_failure(options, scene, m, runs[i]);
     });
     if (interrupted()) break;

@@ -260,11 +260,26 @@ std::vector<Table> engines(const Plan& plan) {
     if (interrupted()) break;
     if (!turns_freely(scene)) continue;
     const auto times = uniform_times(scene.duration, 16);
-    const auto truth = truth_of(scene, times);
+    const auto truth = truth_for(plan, scene, times, "engines", true);
+    if (interrupted()) break;
     std::vector<Ladder> ladders;
     for (const Method* m : methods)
       if (m->default_knob() != Knob::none && m->family != "truth")
         ladders.push_back({m, empty_rungs(*m, plan.options.quick)});
+    if (!truth->is_known()) {
+      for (const Ladder& l : ladders) {
+        const Knob knob = l.rungs.front().knob;
+        const Trajectory run = run_without_truth(*l.method, scene, setting_of(plan.options, knob), *truth);
+        std::vector<Cell> row{text(scene.id), text(l.method->id), text(precision_of(*l.method)),
+                              mode_of(*l.method)};
+        row.resize(std::size(columns));
+        row[6] = text(name_of(run.outcome));
+        row[17] = text(name_of(knob));
+        row[19] = fmt::format("{}: {}", name_of(run.outcome), run.reason);
+        table.add(std::move(row));
+      }
+      continue;
+    }
     measure(plan, scene, *truth, times, ladders);
     if (interrupted()) break;  // a scene is reported whole or not at all
     for (const Ladder& l : ladders) {

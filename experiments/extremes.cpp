@@ -9,7 +9,7 @@
 //   bounded_but_wrong not right, but its energy stays within a hundredth of the truth
 //   dissipates        not right, with less energy than that
 //   gains_energy      not right, with more; a run that was stopped because its energy ran away, too
-//   clamped, asleep, not_finite, solver_failed, timeout, unsupported   as its outcome says
+//   clamped, asleep, not_finite, solver_failed, timeout, unsupported, no_truth   as its outcome says
 #include <algorithm>
 #include <cmath>
 
@@ -31,7 +31,7 @@ constexpr Column columns[] = {
     {"verdict", ColumnType::text,
      "right, bounded_but_wrong, dissipates, gains_energy, clamped, asleep, not_finite, solver_failed, "
      "timeout, "
-     "unsupported"},
+     "unsupported, no_truth"},
     {"value", ColumnType::number, "the number that decided, see value_meaning"},
     {"value_meaning", ColumnType::text, "attitude_error_rad, rate_error_rel, or energy_error_rel (signed)"},
 };
@@ -129,8 +129,8 @@ Verdict verdict_of(const Scene& scene, const SceneTruth& truth, const Trajectory
   }
   const Errors e = errors_of(scene, truth, run.samples, 1, epsilon);
   const double coarser = epsilon / std::numeric_limits<double>::epsilon();
-  const double attitude_bound = std::max(1e-3, 10 * coarser * truth.attitude_floor);
-  const double rate_bound = std::max(1e-3, 10 * coarser * truth.rate_floor);
+  const double attitude_bound = std::max(1e-3, 10 * coarser * truth.floor().attitude);
+  const double rate_bound = std::max(1e-3, 10 * coarser * truth.floor().rate);
   if (e.attitude_max <= attitude_bound && e.rate_max <= rate_bound)
     return {"right", e.attitude_max, "attitude_error_rad"};
   double gain = 0;
@@ -158,8 +158,7 @@ Table extremes(const Plan& plan) {
     return uniform_times(c.scene.duration, std::min<std::int64_t>(16, c.steps));
   };
   for_each_run(plan.options, cases.size(), [&](std::size_t i) {
-    progress(plan.options, std::string("extremes: ") + cases[i].id + ", truth");
-    truths[i] = truth_of(cases[i].scene, times_of(cases[i]));
+    truths[i] = truth_for(plan, cases[i].scene, times_of(cases[i]), "extremes", true);
   });
   std::vector<std::vector<Cell>> rows(cases.size() * plan.methods.size());
   if (!interrupted())
@@ -183,8 +182,10 @@ Table extremes(const Plan& plan) {
         return;
       }
       progress(plan.options, std::string("extremes: ") + c.id + ", " + std::string(method.id));
-      const Trajectory run = run_once(method, c.scene, setting, grid);
-      const Verdict v = verdict_of(c.scene, *truths[i / plan.methods.size()], run, method.epsilon);
+      const SceneTruth& truth = *truths[i / plan.methods.size()];
+      const Trajectory run = truth.is_known() ? run_once(method, c.scene, setting, grid)
+                                              : run_without_truth(method, c.scene, setting, truth);
+      const Verdict v = verdict_of(c.scene, truth, run, method.epsilon);
       row.resize(std::size(columns));
       row[5] = text(name_of(run.outcome));
       row[6] = text(v.name);

@@ -149,7 +149,7 @@ int judge_verb(const Options& options) {
                                  options.norm.empty() ? "error" : options.norm, read_as(file, reading)));
 
   progress(options, "judge: truth");
-  const auto truth = truth_of(scene, file.t);
+  const auto truth = needed_truth_of(scene, file.t, options);
   const std::size_t first = file.t.front() > 0 ? 1 : 0;
   const std::vector<Sample> samples = samples_of(scene, file, reading);
   Table series{"judged_rows.csv", row_columns, {}, 1};
@@ -211,7 +211,7 @@ int judge_verb(const Options& options) {
         {"threshold", threshold},
         {"errors", nlohmann::ordered_json::parse(json(table))},
         {"mistakes", found},
-        {"attitude_floor_rad", truth->attitude_floor},
+        {"attitude_floor_rad", truth->floor().attitude},
         {"norm", quantities[norm].name},
         {"max_error",
          options.max_error ? nlohmann::ordered_json(*options.max_error) : nlohmann::ordered_json()},
@@ -238,9 +238,9 @@ int judge_verb(const Options& options) {
                          : fmt::format("{}, {}^{:.2f}", kind, kind == "exponential" ? "e" : "t", value(6))});
   }
   out += '\n' + in_columns(lines);
-  if (told[0] && judged <= 10 * truth->attitude_floor && norm == 0)
+  if (told[0] && norm == 0 && judged <= 10 * truth->floor().attitude)
     out += fmt::format("\nThat is what double precision can resolve on this scene ({:.1e} rad).\n",
-                       truth->attitude_floor);
+                       truth->floor().attitude);
   if (mistakes.empty()) {
     out += "\nNo known mistake explains these errors.\n";
   } else {

@@ -21,6 +21,10 @@ Grid grid_of(const MeasuredRun& m, std::span<const double> times) {
 
 void find_errors(const Options& options, const Scene& scene, const SceneTruth& truth,
                  std::span<const double> times, MeasuredRun& m) {
+  if (!truth.is_known()) {
+    m.run = run_without_truth(*m.method, scene, setting_of(options, m), truth);
+    return;
+  }
   m.run = run_once(*m.method, scene, setting_of(options, m), grid_of(m, times));
   if (m.run.outcome == Outcome::ok) m.errors = errors_of(scene, truth, m.run.samples, 1, m.method->epsilon);
 }

@@ -24,7 +24,7 @@ Setting setting_of(const Options& options, const MeasuredRun& m);
 /// Steps or asked times.
 Grid grid_of(const MeasuredRun& m, std::span<const double> times);
 
-/// Fills `run` and `errors`. times: those of the truth without t = 0.
+/// Fills `run` and `errors`; without a truth, `run` says so. times: those of the truth without t = 0.
 void find_errors(const Options& options, const Scene& scene, const SceneTruth& truth,
                  std::span<const double> times, MeasuredRun& m);
 

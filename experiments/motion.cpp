@@ -33,10 +33,9 @@ constexpr std::int64_t sample_count = 200, steps_per_sample = 2;
 constexpr double turn_per_sample = 0.35;  // rad; an eye loses the direction of a turn somewhere below pi
 
 /// The time to be shown: all of the scene, or as long as 200 samples can follow the spin.
-double window_of(const Scene& scene) {
-  const auto truth = truth_of(scene, uniform_times(scene.duration, 16));
+double window_of(const Scene& scene, const Truth& truth) {
   double fastest = 0;
-  for (const WideSample& s : truth->truth.samples) fastest = std::max(fastest, s.w_B.cast<double>().norm());
+  for (const WideSample& s : truth.samples) fastest = std::max(fastest, s.w_B.cast<double>().norm());
   return std::min(scene.duration, fastest > 0 ? sample_count * turn_per_sample / fastest : scene.duration);
 }
 
@@ -66,9 +65,21 @@ std::vector<Table> motion(const Plan& plan) {
   for (const Scene& scene : plan.scenes) {
     if (interrupted()) break;
     if (!scene.rotation || !scene.rotation->attitude) continue;
-    progress(plan.options, "motion: " + scene.id);
-    const auto times = uniform_times(window_of(scene), sample_count);
-    const auto truth = truth_of(scene, times);
+    const auto whole = truth_for(plan, scene, uniform_times(scene.duration, 16), "motion", false);
+    if (interrupted()) break;
+    const std::vector<const Method*> methods = shown(plan, scene);
+    const auto times = uniform_times(window_of(scene, whole->truth), sample_count);
+    const auto truth = whole->is_known() ? truth_for(plan, scene, times, "motion", false) : whole;
+    if (interrupted()) break;
+    if (!truth->is_known()) {
+      for (const Method* m : methods) {
+        std::vector<Cell> row{text(scene.id), text(m->id), text(name_of(Knob::steps)), Cell(),
+                              text(name_of(Outcome::no_truth))};
+        row.resize(std::size(columns));
+        table.add(std::move(row));
+      }
+      continue;
+    }
     const auto exact = std::find_if(all_methods().begin(), all_methods().end(),
                                     [](const Method* m) { return m->family == "truth"; });
     const std::vector<Cell> head{text(scene.id), text((*exact)->id), text(name_of(Knob::none)), Cell(),
@@ -77,7 +88,6 @@ std::vector<Table> motion(const Plan& plan) {
       const WideSample& s = truth->truth.samples[k];
       add(head, k == 0 ? 0 : times[k - 1], s.q.cast<double>(), s.w_B.cast<double>());
     }
-    const std::vector<const Method*> methods = shown(plan, scene);
     std::vector<Trajectory> runs(methods.size());
     Grid grid = grid_of_steps(times, sample_count * steps_per_sample);
     grid.from_start = true;

@@ -30,6 +30,7 @@ struct Options {
   bool quick = false, plot = false, json = false, force = false, quiet = false, verbose = false;
   int jobs = 0;  // parallel error runs; 0: as many as there are cores. Timing is never parallel.
   std::optional<double> timeout_s;  // per run
+  double truth_budget_s = 60;       // CPU time of a truth, and of a rounding floor
   int digits = 17;                  // of simulate --solver reference
   std::string command_line;         // as typed, for run.json
 

@@ -12,6 +12,7 @@
 #include "experiments/interrupt.hpp"
 #include "experiments/provenance.hpp"
 #include "experiments/verbs.hpp"
+#include "models/allowance.hpp"
 #include "models/errors.hpp"
 #include "models/scene.hpp"
 
@@ -131,6 +132,8 @@ Options options_of(const Typed& typed, const CLI::App& verb) {
   }
   o.jobs = static_cast<int>(count("--jobs", 1024).value_or(0));
   o.timeout_s = number("--timeout", 1e-3, 1e9, "seconds, at least 0.001");
+  o.truth_budget_s =
+      number("--truth-budget", 1e-3, 1e9, "seconds, from 0.001 to 1e9").value_or(o.truth_budget_s);
   if (given("--digits")) o.digits = static_cast<int>(*count("--digits", 30));
   o.quick = typed.flag.at("--quick");
   o.plot = typed.flag.at("--plot");
@@ -210,6 +213,9 @@ int main(int argc, char** argv) {
   polhode::watch_interrupts();
   try {
     return polhode::run(argc, argv);
+  } catch (const polhode::Stopped& e) {
+    std::fprintf(stderr, "polhode: %s\n", e.what());
+    return 130;
   } catch (const polhode::Error& e) {
     std::fprintf(stderr, "polhode: %s\n", e.what());
     return e.exit_code;

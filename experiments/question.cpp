@@ -8,6 +8,7 @@
 #include <cstdio>
 #include <exception>
 #include <mutex>
+#include <set>
 #include <thread>
 
 #include <fmt/format.h>
@@ -44,6 +45,8 @@ void for_each_run(const Options& options, std::size_t n, const std::function<voi
       try {
         f(i);
         count_progress(++done, n);
+      } catch (const Stopped&) {
+        next = n;  // after an interrupt; no item is begun then
       } catch (...) {
         const std::lock_guard lock(guard);
         failure = std::current_exception();
@@ -173,6 +176,37 @@ Trajectory run_once(const Method& method, const Scene& scene, const Setting& set
     return out;
   }
   guarded(std::move(prepared.integrate))(grid, out);
+  return out;
+}
+
+std::shared_ptr<const SceneTruth> truth_for(const Plan& plan, const Scene& scene,
+                                            std::span<const double> times, const std::string& question,
+                                            bool with_floor) {
+  progress(plan.options, question + ": " + scene.id + ", truth");
+  std::shared_ptr<const SceneTruth> truth;
+  try {
+    truth = truth_of(scene, times, plan.options);
+    if (with_floor) (void)truth->floor();
+  } catch (const Stopped& e) {
+    const auto none = std::make_shared<SceneTruth>(scene, std::vector<double>(), plan.options);
+    none->truth.refusal = e.what();
+    return none;
+  }
+  static std::mutex guard;
+  static std::set<std::string> told;
+  if (truth->is_known()) return truth;
+  const std::string note = refusal_text(scene, *truth);
+  const std::lock_guard lock(guard);
+  if (told.insert(note).second) tell_note(plan.options, note);
+  return truth;
+}
+
+Trajectory run_without_truth(const Method& method, const Scene& scene, const Setting& setting,
+                             const SceneTruth& truth) {
+  Trajectory out;
+  const Prepared prepared = method.prepare(scene, setting);
+  out.outcome = prepared.integrate ? Outcome::no_truth : Outcome::unsupported;
+  out.reason = prepared.integrate ? truth.truth.refusal : prepared.unsupported;
   return out;
 }
 

@@ -62,6 +62,20 @@ Integration guarded(Integration run);
 /// One run, guarded; a solver that does not serve the scene gives outcome `unsupported` with its reason.
 Trajectory run_once(const Method& method, const Scene& scene, const Setting& setting, const Grid& grid);
 
+/// The truth for a question, which goes on without it: where there is none, a note says so once, and its rows
+/// have outcome `no_truth`. After an interrupt it is such a truth, too; no note then, and no row.
+///
+/// question    in the line of progress
+/// with_floor  found here, so that errors_of does not have to
+std::shared_ptr<const SceneTruth> truth_for(const Plan& plan, const Scene& scene,
+                                            std::span<const double> times, const std::string& question,
+                                            bool with_floor);
+
+/// In place of a run that has nothing to be measured against: outcome `no_truth`, or `unsupported` if the
+/// solver does not serve the scene anyway.
+Trajectory run_without_truth(const Method& method, const Scene& scene, const Setting& setting,
+                             const SceneTruth& truth);
+
 /// "double" or "single": what a solver computes in.
 inline const char* precision_of(const Method& method) { return method.epsilon > 1e-10 ? "single" : "double"; }
 

@@ -34,7 +34,9 @@ std::vector<std::string> load_names(const Scene& scene) {
 int show_verb(const Options& options) {
   if (options.scenes.size() != 1) throw UsageError("show needs one scene; 'polhode list scenes' shows all");
   const Scene s = asked_scene(options, options.scenes.front());
-  const auto truth = truth_of(s, uniform_times(s.duration, 16));
+  const auto truth = truth_of(s, uniform_times(s.duration, 16), options);
+  const Floor& floor = truth->floor();
+  progress(options, "");
   const auto loads = load_names(s);
   if (options.json) {
     nlohmann::ordered_json j{{"id", s.id},
@@ -59,13 +61,17 @@ int show_verb(const Options& options) {
                           {"v0_m_per_s", array(s.translation->v0)},
                           {"acceleration_m_per_s2", array(s.translation->acceleration)},
                           {"drag_kg_per_s", s.translation->drag}};
-    j["truth"] = {{"kind", truth->truth.kind},
-                  {"attitude_uncertainty_rad", truth->truth.attitude_uncertainty},
-                  {"rate_uncertainty_rel", truth->truth.rate_uncertainty},
-                  {"cost_s", truth->truth.cost_s},
-                  {"conditioning", truth->conditioning},
-                  {"attitude_floor_rad", truth->attitude_floor},
-                  {"rate_floor_rel", truth->rate_floor}};
+    const auto known = [&truth](const nlohmann::ordered_json& value) {
+      return truth->is_known() ? value : nlohmann::ordered_json();
+    };
+    j["truth"] = {{"kind", known(truth->truth.kind)},
+                  {"refusal", truth->is_known() ? nlohmann::ordered_json() : truth->truth.refusal},
+                  {"attitude_uncertainty_rad", known(truth->truth.attitude_uncertainty)},
+                  {"rate_uncertainty_rel", known(truth->truth.rate_uncertainty)},
+                  {"cost_s", known(truth->truth.cost_s)},
+                  {"conditioning", floor.conditioning},
+                  {"attitude_floor_rad", known(floor.attitude)},
+                  {"rate_floor_rel", known(floor.rate)}};
     write_stdout(j.dump(2) + "\n");
     return 0;
   }
@@ -97,20 +103,20 @@ int show_verb(const Options& options) {
   line("unknowns", std::to_string(s.unknowns));
   for (std::size_t i = 0; i < s.left_out.size(); ++i) line(i ? "" : "left out", s.left_out[i]);
   for (const std::string& note : s.notes) line("note", note);
-  line("truth", truth->truth.kind);
-  if (s.rotation) {
+  line("truth", truth->is_known() ? truth->truth.kind : "none: " + truth->truth.refusal);
+  if (s.rotation && truth->is_known()) {
     line("  certain to", s.rotation->attitude
                              ? fmt::format("{:.1e} rad, rates {:.1e}", truth->truth.attitude_uncertainty,
                                            truth->truth.rate_uncertainty)
                              : fmt::format("rates {:.1e}", truth->truth.rate_uncertainty));
     line("  cost", fmt::format("{:.3g} s for 17 times", truth->truth.cost_s));
     line("conditioning",
-         std::isfinite(truth->conditioning)
-             ? fmt::format("{:.3g} times a relative change of the initial rates", truth->conditioning)
+         std::isfinite(floor.conditioning)
+             ? fmt::format("{:.3g} times a relative change of the initial rates", floor.conditioning)
              : "not known: too long or too stiff to follow disturbances");
-    line("rounding floor", s.rotation->attitude ? fmt::format("{:.1e} rad, rates {:.1e}",
-                                                              truth->attitude_floor, truth->rate_floor)
-                                                : fmt::format("rates {:.1e}", truth->rate_floor));
+    line("rounding floor", s.rotation->attitude
+                               ? fmt::format("{:.1e} rad, rates {:.1e}", floor.attitude, floor.rate)
+                               : fmt::format("rates {:.1e}", floor.rate));
   }
   write_stdout(out);
   return 0;

@@ -84,15 +84,17 @@ void put(const Options& options, const Table& table) {
 void add_wide_rows(Table& table, const Scene& scene, const AskedTimes& asked, const Options& options) {
   std::vector<double> times = asked.times;
   if (asked.from_start) times.insert(times.begin(), 0.0);
-  const Truth truth = reference_solution(scene, times);
+  const auto known = needed_truth_of(scene, times, options);
+  const Truth& truth = known->truth;
   const double worst = std::max(truth.attitude_uncertainty, truth.rate_uncertainty);
   if (worst > std::pow(10.0, -options.digits))
     fmt::print(stderr,
                "polhode: note: {} digits asked for, but the truth of '{}' is only certain to {:.1e}\n",
                options.digits, scene.id, worst);
-  for (std::size_t i = 0; i < truth.samples.size(); ++i) {
+  const std::size_t before = truth.samples.size() - times.size();  // the start, where it was not asked for
+  for (std::size_t i = 0; i < times.size(); ++i) {
     std::vector<Cell> row{times[i]};
-    const std::vector<Wide> numbers = row_of<Wide>(scene, truth.samples[i]);
+    const std::vector<Wide> numbers = row_of<Wide>(scene, truth.samples[before + i]);
     for (std::size_t k = 1; k < numbers.size(); ++k)
       row.push_back(options.digits <= 17 ? Cell(numbers[k].convert_to<double>())
                                          : Cell(numbers[k].str(options.digits, std::ios_base::scientific)));

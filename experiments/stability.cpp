@@ -195,7 +195,7 @@ Accuracy accuracy(const Plan& plan, const Method& method, const Scene& scene, co
     h.pop_back();
     e.pop_back();
   }
-  const double floor = 100 * std::max(truth.attitude_floor, truth.rate_floor);
+  const double floor = 100 * std::max(truth.floor().attitude, truth.floor().rate);
   if (const auto line = observed_order(h, e, floor, 0.1)) result.order_while_stiff = line->slope;
   return result;
 }
@@ -224,7 +224,6 @@ Table dial_table(const Plan& plan) {
     };
     std::vector<Case> cases(values.size());
     for_each_run(plan.options, values.size(), [&](std::size_t i) {
-      progress(plan.options, "stability: " + scene.id + ", truth");
       cases[i] = {scene.with_dial(values[i]), {}, nullptr, values[i]};
       cases[i].linear = linearised(cases[i].scene);
       double swings = 0;  // rad
@@ -236,12 +235,11 @@ Table dial_table(const Plan& plan) {
                                             scene.id, cases[i].scene.variant, swings));
         return;
       }
-      try {
-        cases[i].truth = truth_of(cases[i].scene, times_of(cases[i].scene));
-      } catch (const Error& e) {  // the stable steps can be asked all the same
-        tell_note(plan.options, scene.id + " with " + cases[i].scene.variant + " has no truth: " + e.what());
-      }
+      // Without it the stable steps can be asked all the same.
+      const auto truth = truth_for(plan, cases[i].scene, times_of(cases[i].scene), "stability", true);
+      if (truth->is_known()) cases[i].truth = truth;
     });
+    if (interrupted()) break;
     std::vector<const Method*> methods;
     for (const Method* m : plan.methods)
       if (m->by_steps) methods.push_back(m);

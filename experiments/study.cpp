@@ -2,6 +2,7 @@
 //
 // Everything goes into one result folder: the tables, solvers.csv and scenes.csv, run.json, datapackage.json,
 // the figures and the page. It is filled beside its final place and moved there whole.
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -60,7 +61,7 @@ constexpr Column scene_columns[] = {
      "largest difference to a second solution of less accuracy, rad"},
     {"floor_attitude_rad", ColumnType::number,
      "what double precision can resolve: rounding times the largest growth of a disturbance, rad"},
-    {"truth", ColumnType::text, "kind of the truth"},
+    {"truth", ColumnType::text, "kind of the truth; none, and why, where it could not be had"},
     {"conditioning", ColumnType::number,
      "growth of a relative disturbance of the initial rates; empty: not known"},
     {"truth_uncertainty_rate_rel", ColumnType::number, "the same for the rates, relative"},
@@ -89,18 +90,24 @@ Table solver_table() {
 
 Cell moment(const Scene& s, int i) { return s.rotation ? Cell(s.rotation->moments[i]) : Cell(); }
 
+std::string kind_of(const SceneTruth& truth) {
+  return truth.is_known() ? truth.truth.kind : "none: " + truth.truth.refusal;
+}
+
 Table scene_table(const Plan& plan) {
   Table t{"scenes.csv", scene_columns, {}, 1};
   for (const Scene& s : plan.scenes) {
     std::string left_out;
     for (const std::string& part : s.left_out) left_out += (left_out.empty() ? "" : "; ") + part;
-    const auto truth = truth_of(s, uniform_times(s.duration, 16));
-    const bool attitude = s.rotation && s.rotation->attitude;
+    const auto truth = truth_for(plan, s, uniform_times(s.duration, 16), "scenes", true);
+    if (interrupted()) break;
+    const bool rotation = s.rotation && truth->is_known(), attitude = rotation && s.rotation->attitude;
+    const Floor& floor = truth->floor();
     t.add({text(s.id), text(s.title), s.duration, std::int64_t{s.unknowns}, left_out,
            attitude ? Cell(truth->truth.attitude_uncertainty) : Cell(),
-           attitude ? Cell(truth->attitude_floor) : Cell(), truth->truth.kind, number(truth->conditioning),
-           s.rotation ? Cell(truth->truth.rate_uncertainty) : Cell(),
-           s.rotation ? Cell(truth->rate_floor) : Cell(), moment(s, 0), moment(s, 1), moment(s, 2)});
+           attitude ? Cell(floor.attitude) : Cell(), kind_of(*truth), number(floor.conditioning),
+           rotation ? Cell(truth->truth.rate_uncertainty) : Cell(), rotation ? Cell(floor.rate) : Cell(),
+           moment(s, 0), moment(s, 1), moment(s, 2)});
   }
   return t;
 }
@@ -110,8 +117,9 @@ std::vector<TruthCost> truths_of(const Plan& plan) {
   std::vector<TruthCost> costs;
   if (interrupted()) return costs;
   for (const Scene& s : plan.scenes) {
-    const auto truth = truth_of(s, uniform_times(s.duration, 16));
-    costs.push_back({s.id, truth->truth.kind, truth->truth.cost_s});
+    const auto truth = truth_for(plan, s, uniform_times(s.duration, 16), "scenes", false);
+    if (interrupted()) break;
+    costs.push_back({s.id, kind_of(*truth), truth->truth.cost_s});
   }
   return costs;
 }
@@ -170,7 +178,9 @@ int answer(const Options& options, const std::vector<Question>& questions) {
     for (Table& t : q.answer(plan)) tables.push_back(std::move(t));
   }
   progress(options, "");
-  if (tables.empty()) return 130;  // interrupted before the first question
+  const auto has_rows = [](const Table& t) { return !t.rows.empty(); };
+  // Interrupted before there was anything: what lies in that place from earlier stays.
+  if (tables.empty() || (interrupted() && std::ranges::none_of(tables, has_rows))) throw Stopped();
   if (questions.size() == 1 && tables.front().rows.empty() && !interrupted())
     throw UsageError(
         std::string(questions.front().id) +
@@ -185,7 +195,10 @@ int answer(const Options& options, const std::vector<Question>& questions) {
     return interrupted() ? 130 : 0;
   }
   tables.push_back(solver_table());
-  if (!interrupted()) tables.push_back(scene_table(plan));
+  if (!interrupted()) {
+    Table scenes = scene_table(plan);
+    if (!interrupted()) tables.push_back(std::move(scenes));
+  }
   for (const Table& t : tables) folder->write(std::string(t.file), csv(t));
   folder->write("run.json", run_json(options.command_line, truths_of(plan), mark, interrupted()));
   folder->write("datapackage.json", datapackage_json(tables));

@@ -58,9 +58,10 @@ std::string result_summary(const std::filesystem::path& folder, const std::strin
           continue;
         }
         const auto ranked = report::ranking(results, scene, "time_min_s", level);
-        lines.back().push_back(ranked.empty() ? "none"
-                                              : fmt::format("{}  {}", ranked.front().solver,
-                                                            duration_text(ranked.front().cost)));
+        lines.back().push_back(report::lacks_truth(results.work_precision, scene.id) ? "no truth"
+                               : ranked.empty()                                      ? "none"
+                                                : fmt::format("{}  {}", ranked.front().solver,
+                                                              duration_text(ranked.front().cost)));
       }
     }
     out += "Cheapest solver to reach an error (CPU time of one run)\n\n" + in_columns(lines) + '\n';

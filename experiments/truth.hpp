@@ -1,32 +1,58 @@
-// The truth of a scene at asked times, computed once per run of the program, and what a solver's samples miss
-// of it.
+// The truth of a scene at asked times, found once and kept, in memory and on disk, by what the scene says and
+// not by its name; and what a solver's samples miss of it.
 #pragma once
 #include <memory>
+#include <mutex>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "experiments/options.hpp"
 #include "models/scene.hpp"
+#include "solvers/floor.hpp"
 #include "solvers/reference.hpp"
 
 namespace polhode {
 
 /// The truth with its certainty, and what double precision can reach on this scene.
-struct SceneTruth {
+class SceneTruth {
+ public:
+  SceneTruth(const Scene& scene, std::vector<double> times, const Options& options)
+      : scene_(scene), times_(std::move(times)), options_(options) {}
+
   Truth truth;
-  // Largest growth of a relative disturbance of the initial rates over the times, as an angle [rad], as a
-  // relative rate, and the larger of the two.
-  double attitude_growth = 1, rate_growth = 1, conditioning = 1;
-  // What rounding alone does: the epsilon of a double times the largest growth of any disturbance from any
-  // time on, but at least the resolution. Where a scene is too stiff to follow disturbances, growth is not a
-  // number and floors are the resolution.
-  double attitude_floor = 0;  // rad
-  double rate_floor = 0;      // relative
+  bool more_time_helps = false;  // the refusal is one of the budget
+
+  bool is_known() const { return truth.refusal.empty(); }
+  double budget_s() const { return options_.truth_budget_s; }
+
+  /// Growth of disturbances and what rounding alone does. Found when it is first asked for, within the same
+  /// budget as the truth; safe to call from several threads. Where it cannot be had in that time, growths are
+  /// not numbers, and floors are the least that they can be. throws   Stopped after an interrupt
+  const Floor& floor() const;
+
+ private:
+  Scene scene_;
+  std::vector<double> times_;
+  Options options_;
+  mutable std::mutex guard_;
+  mutable std::optional<Floor> floor_;
 };
 
-/// The truth at the times (increasing; t = 0 is added in front). Computed once, then shared; safe to call
-/// from several threads.
-std::shared_ptr<const SceneTruth> truth_of(const Scene& scene, std::span<const double> times);
+/// The truth at the times (increasing; t = 0 is added in front). Found once for scenes of one content, by
+/// several threads at once if it has to be; others are not held up. What the budget of the options does not
+/// reach is a truth without samples, which says why. throws   Stopped after an interrupt; Error with exit
+/// code 70 if the truth contradicts itself
+std::shared_ptr<const SceneTruth> truth_of(const Scene& scene, std::span<const double> times,
+                                           const Options& options = {});
+
+/// The same for what is nothing without it: throws Error with exit code 1 and the refusal.
+std::shared_ptr<const SceneTruth> needed_truth_of(const Scene& scene, std::span<const double> times,
+                                                  const Options& options = {});
+
+/// "no truth of 'heavy-top': it takes more than 60 s of computing; --truth-budget S allows more"
+std::string refusal_text(const Scene& scene, const SceneTruth& truth);
 
 /// What one sample misses of the truth at its time. NaN where a scene has no such quantity.
 struct SampleErrors {
@@ -50,6 +76,7 @@ struct Errors {
 
 /// samples    of one run, at truth times [first, first + size)
 /// epsilon    of the arithmetic that made them: floors scale with it
+/// throws     Stopped after an interrupt, from the floor
 Errors errors_of(const Scene& scene, const SceneTruth& truth, std::span<const Sample> samples,
                  std::size_t first, double epsilon);
 

@@ -49,8 +49,8 @@ std::vector<Table> work_precision(const Plan& plan) {
   for (const Scene& scene : plan.scenes) {
     if (interrupted()) break;
     const auto times = uniform_times(scene.duration, 16);
-    progress(plan.options, "work-precision: " + scene.id + ", truth");
-    const auto truth = truth_of(scene, times);
+    const auto truth = truth_for(plan, scene, times, "work-precision", true);
+    if (interrupted()) break;
     std::vector<MeasuredRun> all;
     for (const Method* m : plan.methods) {
       if (m->family == "truth") continue;  // it is what the others are measured against
@@ -89,17 +89,18 @@ std::vector<Table> work_precision(const Plan& plan) {
     count_progress(0, 0);
     for (std::size_t i = 0; i < of.size(); ++i) of[i]->timing = measured[i];
 
-    const Method* unsupported = nullptr;
+    const Method* told = nullptr;
     for (const MeasuredRun& c : all) {
       const bool ok = c.run.outcome == Outcome::ok;
-      if (c.run.outcome == Outcome::unsupported) {
-        if (c.method == unsupported) continue;  // one row says it
-        unsupported = c.method;
+      const bool was_run = c.run.outcome != Outcome::unsupported && c.run.outcome != Outcome::no_truth;
+      if (!was_run) {
+        if (c.method == told) continue;  // one row says it
+        told = c.method;
       }
       std::vector<Cell> row{text(scene.id), text(c.method->id), text(name_of(c.knob))};
       row.resize(std::size(columns));
       row[4] = text(name_of(c.run.outcome));
-      if (c.run.outcome != Outcome::unsupported) {
+      if (was_run) {
         if (c.knob != Knob::none) row[3] = c.value;
         const Work& w = c.run.work;
         row[5] = w.steps;

@@ -29,6 +29,8 @@ std::string cost_text(double cost, bool is_time) {
   return fmt::format("{:.0f} right-hand-side evaluations", cost);
 }
 
+constexpr const char* no_truth = "There is no truth of this scene to measure errors against.";
+
 /// Solvers that a scene could be asked of: with at least one row that is not `unsupported`.
 std::size_t count_supported(const CsvTable& table, std::string_view scene) {
   std::set<std::string> solvers;
@@ -59,6 +61,12 @@ std::string ranking_sentence(const Results& results, const SceneCard& scene, dou
 
 }  // namespace
 
+bool lacks_truth(const CsvTable& table, std::string_view scene) {
+  const auto rows = Results::rows_of(table, scene);
+  return std::any_of(rows.begin(), rows.end(),
+                     [&](std::size_t i) { return table.text(i, "outcome") == "no_truth"; });
+}
+
 std::vector<Cost> ranking(const Results& results, const SceneCard& scene, std::string_view cost_column,
                           double level) {
   const CsvTable& table = results.work_precision;
@@ -81,12 +89,14 @@ bool below_floor(const SceneCard& scene, const Quantity& quantity, double level)
 }
 
 std::string work_sentence(const Results& results, const SceneCard& scene) {
+  if (lacks_truth(results.work_precision, scene.id)) return no_truth;
   const auto level = telling_level(results, scene, "time_min_s");
   if (!level) return "No run reached an error of 0.01 or less here with its time measured.";
   return ranking_sentence(results, scene, *level, ranking(results, scene, "time_min_s", *level), true);
 }
 
 std::string evaluations_sentence(const Results& results, const SceneCard& scene) {
+  if (lacks_truth(results.work_precision, scene.id)) return no_truth;
   const auto level = telling_level(results, scene, "rhs_evals");
   if (!level) return "No run that counts right-hand sides reached an error of 0.01 or less here.";
   const auto order = ranking(results, scene, "rhs_evals", *level);

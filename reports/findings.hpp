@@ -26,6 +26,9 @@ std::vector<Cost> ranking(const Results& results, const SceneCard& scene, std::s
 /// True where a level of error lies under the rounding floor, so that nobody may be ranked there.
 bool below_floor(const SceneCard& scene, const Quantity& quantity, double level);
 
+/// Was there nothing to measure the runs of this scene against?
+bool lacks_truth(const CsvTable& table, std::string_view scene);
+
 /// `At 10⁻⁸ rad, a is the cheapest of 14 solvers: 12 µs; b needs 1.4 times that, ...`
 std::string work_sentence(const Results& results, const SceneCard& scene);
 /// The same counted in right-hand-side evaluations, with the change against the clock.

@@ -94,6 +94,8 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"simulate not-toml.toml", 65, "not-toml.toml"},
         Refusal{"simulate binary.toml", 65, "binary.toml"},
         Refusal{"simulate big.toml", 65, "at most 1000000"},
+        Refusal{"show hairer-vilmart --truth-budget 0", 2, "0.001"},
+        Refusal{"list scenes --truth-budget 1", 2, "cannot follow it"},
         Refusal{"list things", 2, "scenes, solvers, engines"}, Refusal{"show", 2, "needs one scene"},
         Refusal{"report full", 65, "not a result folder"},
         Refusal{"study hairer-vilmart hairer-vilmart", 2, "twice"},

@@ -88,7 +88,7 @@ Grid to_the_end(double end, std::int64_t steps) {
 /// half an ulp (1.1e-16) each, times the growth of a perturbation.
 double effect_of_doubles(const Scene& scene) {
   const std::vector<double> end{scene.duration};
-  return 10 * 1.2e-16 * truth_of(scene, end)->conditioning;
+  return 10 * 1.2e-16 * truth_of(scene, end)->floor().conditioning;
 }
 
 /// Runs the program and returns the columns of the CSV that it prints.
@@ -122,7 +122,7 @@ TEST(Published, HairerVilmartBody) {
   const Setting fine{.knob = Knob::tolerance, .rtol = 1e-14, .atol = 1e-14};
   const Trajectory t = run("odeint-rkf78", scene, to_the_end(10, 1), fine);
   const std::vector<double> end{10.0};
-  const double bound = static_cast<double>(t.work.steps) * 2e-14 * truth_of(scene, end)->conditioning;
+  const double bound = static_cast<double>(t.work.steps) * 2e-14 * truth_of(scene, end)->floor().conditioning;
   EXPECT_LT(bound, 1e-10);
   const Sample& s = t.samples.back();
   const double got[] = {s.q.w(), s.q.x(), s.q.y(), s.q.z()};
@@ -148,7 +148,8 @@ TEST(Published, TumblingBoxAtTenSeconds) {
   const Setting fine{.knob = Knob::tolerance, .rtol = 1e-14, .atol = 1e-14};
   const Trajectory t = run("odeint-rkf78", scene, to_the_end(10, 1), fine);
   const std::vector<double> end{10.0};
-  const double bound = static_cast<double>(t.work.steps) * 2e-14 * truth_of(scene, end)->conditioning * 6;
+  const double bound =
+      static_cast<double>(t.work.steps) * 2e-14 * truth_of(scene, end)->floor().conditioning * 6;
   EXPECT_LT(bound, 1e-7);
   for (int i = 0; i < 3; ++i) expect_digits(Wide(t.samples.back().w_B[i]), w[i], bound);
 }
@@ -258,7 +259,7 @@ TEST(Published, ExudynHeavyTop) {
   // At 0.01 s: a thousand steps, each with an ulp of 150 (2.8e-14) in no preferred direction, twice 9e-13. At
   // 2 s: what an attitude in doubles can reach at all here, times the spin, times the usual ten.
   expect_digits(w_S(0), "149.8473939540758", 2e-12);
-  expect_digits(w_S(1), "-106.16380414306643", 10 * truth_of(top, times)->attitude_floor * 150);
+  expect_digits(w_S(1), "-106.16380414306643", 10 * truth_of(top, times)->floor().attitude * 150);
 }
 
 TEST(Published, ExudynSingleSteps) {

@@ -117,13 +117,13 @@ TEST_P(ReferenceCase, ConditioningIsThatOfTheCase) {
   const auto truth = truth_of(scene(), times);
   constexpr double epsilon = std::numeric_limits<double>::epsilon();
   if (theirs < 1) {
-    EXPECT_LT(truth->attitude_growth, 7.2);  // a damped case forgets: ours is bounded below by 1
+    EXPECT_LT(truth->floor().attitude_growth, 7.2);  // a damped case forgets: ours is bounded below by 1
   } else {
-    EXPECT_GT(truth->attitude_growth, 2 * 0.97 * theirs);
-    EXPECT_LT(truth->attitude_growth, 4 * std::sqrt(3.0) * 1.03 * theirs);
+    EXPECT_GT(truth->floor().attitude_growth, 2 * 0.97 * theirs);
+    EXPECT_LT(truth->floor().attitude_growth, 4 * std::sqrt(3.0) * 1.03 * theirs);
   }
-  EXPECT_GE(truth->conditioning, truth->attitude_growth);
-  EXPECT_GE(truth->attitude_floor, epsilon * truth->attitude_growth);
+  EXPECT_GE(truth->floor().conditioning, truth->floor().attitude_growth);
+  EXPECT_GE(truth->floor().attitude, epsilon * truth->floor().attitude_growth);
 }
 
 std::string test_name(const testing::TestParamInfo<std::string>& info_of_case) {

@@ -77,7 +77,8 @@ TEST(Taylor, AskedTimesCostNoStepAndNoAccuracy) {
     EXPECT_EQ(once.samples.back().q.coeffs(), often.samples.back().q.coeffs()) << id;
     const auto truth = truth_of(scene, many);
     const Errors e = errors_of(scene, *truth, often.samples, 1, std::numeric_limits<double>::epsilon());
-    EXPECT_LT(e.rate_max, bound(truth->conditioning, truth->rate_floor, 1e-12, often.work.steps)) << id;
+    EXPECT_LT(e.rate_max, bound(truth->floor().conditioning, truth->floor().rate, 1e-12, often.work.steps))
+        << id;
   }
 }
 
@@ -108,9 +109,9 @@ TEST_P(TaylorOnCase, IsRightWithinTheTolerance) {
     ASSERT_EQ(got.outcome, Outcome::ok) << got.reason;
     ASSERT_EQ(got.samples.size(), times.size());
     const Errors e = errors_of(scene, *truth, got.samples, 1, std::numeric_limits<double>::epsilon());
-    const double growth = std::isfinite(truth->conditioning) ? truth->conditioning : 1;
-    EXPECT_LT(e.attitude_max, bound(growth, truth->attitude_floor, rtol, got.work.steps)) << rtol;
-    EXPECT_LT(e.rate_max, bound(growth, truth->rate_floor, rtol, got.work.steps)) << rtol;
+    const double growth = std::isfinite(truth->floor().conditioning) ? truth->floor().conditioning : 1;
+    EXPECT_LT(e.attitude_max, bound(growth, truth->floor().attitude, rtol, got.work.steps)) << rtol;
+    EXPECT_LT(e.rate_max, bound(growth, truth->floor().rate, rtol, got.work.steps)) << rtol;
   }
 }
 

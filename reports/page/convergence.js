@@ -4,7 +4,7 @@ function convergence_section() {
   const t = table("convergence.csv");
   if (t.rows === 0) return;
   const candidates = () => new Set(t.values("solver", t.where("scene", state.scene)
-    .filter((i) => t.text(i, "outcome") !== "unsupported")));
+    .filter((i) => was_run(t, i))));
   place("convergence", "", ["scene"], () => el("p", { class: "says" }, says("orders")));
   solver_picker("convergence", candidates);
   const holder = el("div", { class: "figure" });

@@ -38,9 +38,9 @@ function engines_section() {
   on_change(["scene", "engine_error", "engine_group", "theme"], draw);
   draw();
   // One rung of the ladder at a time; a solver that chooses its own steps shows the finest that it was asked for.
-  const rungs = () => t.values("knob_value", here().filter((i) => t.text(i, "knob") === "steps"));
+  const rungs = () => t.values("knob_value", here().filter((i) => t.text(i, "knob") === "steps")).filter(Boolean);
   const rung = () => (rungs().includes(state.engine_steps) ? state.engine_steps : rungs()[0]);
-  place("engines", "controls", ["scene", "engine_group", "engine_steps"], () => here().length > 0 && pick("Steps over the duration",
+  place("engines", "controls", ["scene", "engine_group", "engine_steps"], () => rungs().length > 0 && pick("Steps over the duration",
     rungs().map((value) => [value, pretty_count(Number(value))]), rung(), (engine_steps) => change({ engine_steps })));
   place("engines", "", ["scene", "engine_steps", "engine_group", "theme"], () => engines_table(t, t.values("solver", here()).map((solver) => {
     const mine = here().filter((i) => t.text(i, "solver") === solver);

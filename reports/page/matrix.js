@@ -12,6 +12,7 @@ const verdict_words = {
   solver_failed: ["F", "bad", "solver failed: it gave up and said so"],
   timeout: ["T", "odd", "timeout: not done in the time given"],
   unsupported: ["–", "none", "unsupported: the solver does not apply"],
+  no_truth: ["∅", "none", "no truth: nothing to measure it against within the budget"],
 };
 const verdict_of = (id) => verdict_words[id] || ["?", "none", spaced(id)];
 function verdict_cell(id, hint) {
@@ -65,7 +66,8 @@ function tolerance_part() {
   place("stability", "", ["scene", "theme"], () => {
     const rows = t.where("scene", state.scene), verdict_rows = v.where("scene", state.scene);
     if (rows.length === 0) return [];
-    const solvers = t.values("solver", rows), tolerances = t.values("rtol", rows).sort((a, b) => b - a);
+    const solvers = t.values("solver", rows), tolerances = t.values("rtol", rows).filter(Boolean).sort((a, b) => b - a);
+    if (tolerances.length === 0) return el("p", { class: "soft" }, "There is no truth of this scene to measure errors against.");
     const every = Math.ceil(tolerances.length / 6);
     const at = (solver, rtol) => rows.find((i) => t.text(i, "solver") === solver && t.text(i, "rtol") === rtol);
     const deceived = (i) => ({ 10: " !", 100: " !!" })[t.text(i, "deceived")];
@@ -79,7 +81,7 @@ function tolerance_part() {
     return data_table([
       { title: "Solver", head: true, cell: named },
       ...tolerances.filter((_, k) => k % every === 0).map((rtol) => ({ title: `rtol ${pretty(Number(rtol))}`, number: true,
-        cell: (solver) => cell(at(solver, rtol)) })),
+        cell: (solver) => cell(at(solver, rtol) ?? at(solver, "")) })),
       told("Slope", "of the error against the tolerance, above the rounding floor", (i) => (Number.isFinite(v.number(i, "slope"))
         ? `${v.number(i, "slope").toFixed(2)} ± ${pretty(v.number(i, "slope_error"), 1)}` : "–")),
       told("Below the floor", "what tolerances finer than rounding do", (i) => below_floor_words[v.text(i, "below_floor")] || "–"),

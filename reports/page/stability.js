@@ -14,7 +14,7 @@ function stability_limits(t) {
   heading("stability", "Largest stable step");
   const scenes = t.values("scene");
   const candidates = () => new Set(t.values("solver", t.where("scene", state.scene)
-    .filter((i) => t.text(i, "outcome") !== "unsupported")));
+    .filter((i) => was_run(t, i))));
   place("stability", "", ["scene"], () => (scenes.includes(state.scene) ? el("p", { class: "says" }, says("stability"))
     : el("p", { class: "soft" }, `“${scene_title(state.scene)}” has no stiff parameter to vary. `,
       "These have: ", scenes.map((scene) => el("button", { type: "button", class: "chip",

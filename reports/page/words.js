@@ -38,6 +38,9 @@ function pretty_count(value) {
 }
 
 const counted = (n, noun) => `${n} ${noun}${n === 1 ? "" : "s"}`;
+
+// Not where the solver does not apply, nor where there was no truth to measure it against.
+const was_run = (t, i) => !["unsupported", "no_truth"].includes(t.text(i, "outcome"));
 const spaced = (name) => name.replaceAll("_", " ");
 const sentence_case = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 

@@ -52,7 +52,7 @@ function work_figure(solvers) {
           lines: run_lines(t, i) });
     }
     const [first] = points;
-    const edge = failed.filter((i) => t.text(i, "outcome") !== "unsupported").map((i) => {
+    const edge = failed.filter((i) => was_run(t, i)).map((i) => {
       // A failed run was not timed; time goes with the number of steps, so the first good run tells its place.
       const steps = t.text(i, "knob") === "steps" ? t.number(i, "knob_value") : NaN;
       return { x: NaN, edge: "x", loose: true, lines: run_lines(t, i),
