@@ -19,6 +19,7 @@ constexpr double least_attitude = 4e-16;  // that a quaternion of doubles resolv
 constexpr double most_attitude = std::numbers::pi,
                  most_rate = 2;  // two motions that know nothing of each other
 constexpr double most_growth = 1e300;
+constexpr double most_entry = 1e150;  // of a map: a product of two does not overflow
 // Rates are measured by |w|, but by no less than this part of the fastest: a body may come to rest.
 constexpr double least_rate = 1e-3;
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
@@ -29,6 +30,17 @@ constexpr int blocks_an_octave = 8;
 double bounded(double x, double bound) { return x < bound ? x : bound; }
 
 double largest_column(const auto& block) { return block.colwise().norm().maxCoeff(); }
+
+/// x 2^exponent, up to most_growth. An x that may have been cut off counts as that.
+double scaled(double x, int exponent) {
+  if (x >= most_entry / 10) return most_growth;
+  return x > 0 ? std::min(std::ldexp(x, exponent), most_growth) : x;
+}
+
+/// later earlier, cut off at most_entry, so that zeros beside what grows without bounds stay zeros.
+DisturbanceMap product(const DisturbanceMap& later, const DisturbanceMap& earlier) {
+  return (later * earlier).cwiseMin(most_entry).cwiseMax(-most_entry);
+}
 
 /// In units of epsilon: what rounds off an attitude, and each component of the rates by itself. (A component
 /// that is small stays as exact as the others: a body that spins about an unstable axis keeps what little it
@@ -134,10 +146,10 @@ void Follower::pass(const Stretch& s, Standing& x) {
 void Follower::look(const Standing& x, const Vec3& w) {
   fastest_ = std::max(fastest_, w.norm());
   if (settled() || !(fastest_ > 0)) return;
-  const DisturbanceMap start =
-      std::ldexp(1.0, x.exponent) * x.map * rounding(scene_.rotation->w0, attitude());
+  const DisturbanceMap start = x.map * rounding(scene_.rotation->w0, attitude());
   const auto larger = [&](const auto& first, const auto& later) {
-    return epsilon * std::max(first.norm(), later.norm() / std::sqrt(x.noise.marks));
+    return epsilon * std::max(scaled(first.norm(), x.exponent),
+                              bounded(later.norm() / std::sqrt(x.noise.marks), most_growth));
   };
   const double turned = larger(start.topRows<3>(), x.noise.root.topRows<3>());
   const double changed = larger(start.bottomRows<3>(), x.noise.root.bottomRows<3>());
@@ -148,9 +160,8 @@ void Follower::look(const Standing& x, const Vec3& w) {
 
 /// The growth at the next asked time.
 void Follower::answer(const DisturbanceMap& map, int exponent, const Vec3& w) {
-  const double factor = std::ldexp(1.0, exponent);
-  growths_.push_back({factor * largest_column(map.topRightCorner<3, 3>()),
-                      factor * largest_column(map.bottomRightCorner<3, 3>()), w.norm()});
+  growths_.push_back({scaled(largest_column(map.topRightCorner<3, 3>()), exponent),
+                      scaled(largest_column(map.bottomRightCorner<3, 3>()), exponent), w.norm()});
 }
 
 /// Stretch by stretch to the first mark at `until` or beyond the last asked time. False: it cannot be
@@ -168,7 +179,7 @@ bool Follower::follow(double until, Standing& x, std::vector<Stretch>* kept) {
     pass(*s, x);
     mark = s->end;
     if (kept) kept->push_back(*s);
-    if (settled() && x.exponent > 1000) {  // nor will anything come of the rest
+    if (x.exponent > 1000 && (settled() || n + 1 == stretch_limit)) {  // what comes is not less
       growths_.resize(times_.size(), {most_growth, most_growth, s->rates.back().norm()});
       return true;
     }
@@ -181,13 +192,13 @@ bool Follower::follow(double until, Standing& x, std::vector<Stretch>* kept) {
 bool Follower::repeat(double period, const Standing& once, const std::vector<Stretch>& lap) {
   const Vec3 w = scene_.rotation->w0, f = free_acceleration(scene_.rotation->moments, w);
   std::vector<DisturbanceMap> to{DisturbanceMap::Identity()};  // each stretch of the lap
-  for (const Stretch& s : lap) to.push_back(s.across() * to.back());
+  for (const Stretch& s : lap) to.push_back(product(s.across(), to.back()));
   std::vector<DisturbanceMap> doubled{returned(to.back(), w, f)};  // over 1, 2, 4, ... periods
   const auto over = [&](double periods) {
     DisturbanceMap map = DisturbanceMap::Identity();
     for (std::size_t k = 0; periods >= 1; ++k, periods = std::floor(periods / 2)) {
-      if (k == doubled.size()) doubled.push_back(returned(doubled.back() * doubled.back(), w, f));
-      if (std::fmod(periods, 2) == 1) map = doubled[k] * map;
+      if (k == doubled.size()) doubled.push_back(returned(product(doubled.back(), doubled.back()), w, f));
+      if (std::fmod(periods, 2) == 1) map = product(doubled[k], map);
     }
     return map;
   };
@@ -226,8 +237,7 @@ Floor Follower::run() {
   Standing x;
   std::vector<Stretch> lap;
   const bool periodic = std::isfinite(period);
-  const bool known =
-      follow(period, x, periodic ? &lap : nullptr) && (period >= end_ || repeat(period, x, lap));
+  bool known = follow(period, x, periodic ? &lap : nullptr) && (period >= end_ || repeat(period, x, lap));
   if (!known) {
     floor_.conditioning = floor_.attitude_growth = floor_.rate_growth = none;
     return floor_;
@@ -238,10 +248,12 @@ Floor Follower::run() {
   // Where a body comes to rest for a moment, or for good, its own rate would measure nothing.
   const auto scale = [&](double w) { return std::max(w, least_rate * fastest); };
   const double unit = scale(r.w0.norm());
+  const auto widen = [](double& largest, double growth, double factor) {
+    largest = std::max(largest, growth < most_growth ? bounded(factor * growth, most_growth) : most_growth);
+  };
   for (const Growth& g : growths_) {
-    if (attitude())
-      floor_.attitude_growth = std::max(floor_.attitude_growth, bounded(unit * g.attitude, most_growth));
-    floor_.rate_growth = std::max(floor_.rate_growth, bounded(unit * g.rate / scale(g.w), most_growth));
+    if (attitude()) widen(floor_.attitude_growth, g.attitude, unit);
+    widen(floor_.rate_growth, g.rate, unit / scale(g.w));
   }
   floor_.conditioning = std::max(floor_.attitude_growth, floor_.rate_growth);
   return floor_;

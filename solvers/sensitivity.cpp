@@ -43,43 +43,78 @@ Sensitivity::Path closed_path(std::shared_ptr<ClosedForm<double>> form, const Er
   };
 }
 
+/// By Taylor series: the times of several stretches are read off one step.
 template <class M>
-struct Followed {
+class SeriesPath {
+ public:
   using S = typename M::Scalar;
-  explicit Followed(const M& model, std::unique_ptr<ErasedModel> equations)
-      : m(model), doubles(std::move(equations)), y(m.initial) {
-    if (doubles)
-      implicit.emplace(m, *doubles, implicit_stages);
-    else
-      series.emplace(m, order);
+  explicit SeriesPath(const M& m) : series_(m, order), y_(m.initial) {
+    series_.settle_signs(t_, y_);
+    expand();
   }
 
   bool follow(std::span<const double> times, Eigen::MatrixXd& states) {
-    int i = 0;
-    const auto keep = [&](const S&, std::span<const S> there) {
-      for (std::size_t k = 0; k < there.size(); ++k)
-        states(static_cast<int>(k), i) = static_cast<double>(there[k]);
-      ++i;
-    };
-    const std::int64_t steps = implicit ? implicit->run(t, y, times, implicit_tolerance, step_limit, keep)
-                                        : taylor_run(*series, t, y, times, log2_tolerance, step_limit, keep);
-    return steps >= 0 && states.allFinite();
+    int steps = 0;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      for (; S(times[i]) > t_ + h_; expand()) {
+        if (++steps > step_limit || !(t_ + h_ > t_)) return false;
+        y_ = series_.at(h_);
+        t_ += h_;
+        if (crossed_ >= 0) series_.flip_sign(crossed_);
+      }
+      const typename M::State y = series_.at(S(times[i]) - t_);
+      for (std::size_t k = 0; k < y.size(); ++k)
+        states(static_cast<int>(k), static_cast<int>(i)) = static_cast<double>(y[k]);
+    }
+    return states.allFinite();
   }
 
-  M m;
-  std::unique_ptr<ErasedModel> doubles;
-  std::optional<TaylorSeries<M>> series;
-  std::optional<RadauRun<S>> implicit;
-  S t{0};
-  typename M::State y;
+ private:
+  void expand() {
+    series_.expand(t_, y_);
+    h_ = series_.first_sign_change(S(series_step(series_, log2_tolerance)), crossed_);
+  }
+
+  TaylorSeries<M> series_;
+  S t_{0}, h_{0};
+  typename M::State y_;
+  int crossed_ = -1;
+};
+
+/// By Radau IIA.
+template <class M>
+class ImplicitPath {
+ public:
+  using S = typename M::Scalar;
+  ImplicitPath(const M& m, const Scene& scene)
+      : m_(m), doubles_(erased_model(scene)), run_(m_, *doubles_, implicit_stages), y_(m.initial) {}
+
+  bool follow(std::span<const double> times, Eigen::MatrixXd& states) {
+    int i = 0;
+    const auto keep = [&](const S&, std::span<const S> y) {
+      for (std::size_t k = 0; k < y.size(); ++k) states(static_cast<int>(k), i) = static_cast<double>(y[k]);
+      ++i;
+    };
+    return run_.run(t_, y_, times, implicit_tolerance, step_limit, keep) >= 0 && states.allFinite();
+  }
+
+ private:
+  M m_;
+  std::unique_ptr<ErasedModel> doubles_;
+  RadauRun<S> run_;
+  S t_{0};
+  typename M::State y_;
 };
 
 Sensitivity::Path stepped_path(const Scene& scene, bool stiff) {
   return with_general_model<long double>(scene, [&](const auto& m) -> Sensitivity::Path {
     using M = std::remove_cvref_t<decltype(m)>;
     if constexpr (M::has_rotation) {
-      auto followed = std::make_shared<Followed<M>>(m, stiff ? erased_model(scene) : nullptr);
-      return [followed](auto times, auto& states) { return followed->follow(times, states); };
+      const auto by = [](auto path) -> Sensitivity::Path {
+        return [path](auto times, auto& states) { return path->follow(times, states); };
+      };
+      if (stiff) return by(std::make_shared<ImplicitPath<M>>(m, scene));
+      return by(std::make_shared<SeriesPath<M>>(m));
     } else {
       return {};
     }
