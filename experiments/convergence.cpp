@@ -138,7 +138,7 @@ std::vector<Table> convergence(const Plan& plan) {
                     claimed >= 0 ? Cell(claimed) : Cell(), line ? Cell(line->slope) : Cell(),
                     line ? Cell(line->slope_error) : Cell(), std::int64_t{line ? line->points : 0}});
       };
-      const Claims& c = methods[m]->claims;
+      const Claims c = methods[m]->claims.with_time(depends_on_time(scene));
       // A hundred times the floor: a point at ten times it may be off by a tenth, which bends a slope by
       // 0.15.
       const double margin = 100 * methods[m]->epsilon / std::numeric_limits<double>::epsilon();

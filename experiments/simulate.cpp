@@ -5,6 +5,7 @@
 #include "experiments/question.hpp"
 #include "experiments/result_folder.hpp"
 #include "models/errors.hpp"
+#include "models/exact_scene.hpp"
 
 namespace polhode {
 namespace {
@@ -33,7 +34,7 @@ constexpr Column columns[] = {
 /// Numbers of a row in the user's body frame, in the order of the columns; the parts that the scene lacks are
 /// out.
 template <class S, class SampleT>
-std::vector<S> row_of(const Scene& scene, const SampleT& s) {
+std::vector<S> row_of(const Scene& scene, const QuaternionT<S>& to_user, const SampleT& s) {
   std::vector<S> row{s.t};
   const auto add = [&row](const auto& v) {
     for (int i = 0; i < 3; ++i) row.push_back(v[i]);
@@ -43,7 +44,6 @@ std::vector<S> row_of(const Scene& scene, const SampleT& s) {
     add(s.v);
   }
   if (scene.rotation) {
-    const QuaternionT<S> to_user = scene.rotation->principal_to_user.template cast<S>();
     const bool turned = to_user.vec().norm() > S(0);
     if (scene.rotation->attitude) {
       const QuaternionT<S> q = turned ? QuaternionT<S>(s.q * to_user.conjugate()) : s.q;
@@ -52,11 +52,7 @@ std::vector<S> row_of(const Scene& scene, const SampleT& s) {
     add(turned ? to_space<S>(to_user, s.w_B) : s.w_B);
   }
   row.push_back(s.total_energy);
-  if (scene.rotation) {
-    // Without an attitude the momentum is known in the body frame alone.
-    const QuaternionT<S> to_user = scene.rotation->principal_to_user.template cast<S>();
-    add(scene.rotation->attitude || !(to_user.vec().norm() > S(0)) ? s.L : to_space<S>(to_user, s.L));
-  }
+  if (scene.rotation && scene.rotation->attitude) add(s.L);
   return row;
 }
 
@@ -64,9 +60,10 @@ std::vector<Column> columns_of(const Scene& scene) {
   std::vector<Column> of_scene;
   for (std::size_t i = 0; i < std::size(columns); ++i) {
     const bool translation = i >= 1 && i <= 6, attitude = i >= 7 && i <= 10,
-               rotation = (i >= 11 && i <= 13) || i >= 15;
+               rotation = i >= 11 && i <= 13, momentum = i >= 15;
     if ((translation && !scene.translation) || (rotation && !scene.rotation) ||
-        (attitude && !(scene.rotation && scene.rotation->attitude)))
+        // L is that of the space frame, which bare rates do not know.
+        ((attitude || momentum) && !(scene.rotation && scene.rotation->attitude)))
       continue;
     of_scene.push_back(columns[i]);
   }
@@ -92,9 +89,12 @@ void add_wide_rows(Table& table, const Scene& scene, const AskedTimes& asked, co
                "polhode: note: {} digits asked for, but the truth of '{}' is only certain to {:.1e}\n",
                options.digits, scene.id, worst);
   const std::size_t before = truth.samples.size() - times.size();  // the start, where it was not asked for
+  const ExactScene exact = exact_scene(scene);
+  QuaternionT<Wide> to_user(Wide(1), Wide(0), Wide(0), Wide(0));
+  if (exact.rotation) to_user = exact.rotation->principal_to_user;
   for (std::size_t i = 0; i < times.size(); ++i) {
     std::vector<Cell> row{times[i]};
-    const std::vector<Wide> numbers = row_of<Wide>(scene, truth.samples[before + i]);
+    const std::vector<Wide> numbers = row_of<Wide>(scene, to_user, truth.samples[before + i]);
     for (std::size_t k = 1; k < numbers.size(); ++k)
       row.push_back(options.digits <= 17 ? Cell(numbers[k].convert_to<double>())
                                          : Cell(numbers[k].str(options.digits, std::ios_base::scientific)));
@@ -146,7 +146,8 @@ int simulate_verb(const Options& options) {
     throw UsageError(
         fmt::format("solver '{}' does not serve scene '{}': {}", method.id, scene.id, run.reason));
   for (const Sample& s : run.samples) {
-    const std::vector<double> row = row_of<double>(scene, s);
+    const std::vector<double> row =
+        row_of<double>(scene, scene.rotation ? scene.rotation->principal_to_user : Quaternion(1, 0, 0, 0), s);
     table.add({row.begin(), row.end()});
   }
   put(options, table);

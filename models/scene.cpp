@@ -390,6 +390,13 @@ Scene resolved(const toml::table& document, const std::filesystem::path& file) {
 
 }  // namespace
 
+bool depends_on_time(const Scene& scene) {
+  if (!scene.rotation) return false;
+  const auto& loads = scene.rotation->loads;
+  return std::any_of(loads.begin(), loads.end(),
+                     [](const auto& load) { return std::holds_alternative<GravityGradient<double>>(load); });
+}
+
 Scene read_scene(const std::filesystem::path& file) { return resolved(parse_scene_file(file), file); }
 
 Scene Scene::with_dial(double value) const {

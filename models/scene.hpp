@@ -75,6 +75,9 @@ struct Scene {
   Scene with_dial(double value) const;
 };
 
+/// Does a load of the scene depend on time, beside the state?
+bool depends_on_time(const Scene& scene);
+
 /// Reads and checks a scene file. Throws InputError with file, line, key, what was found and what is needed.
 Scene read_scene(const std::filesystem::path& file);
 

@@ -98,11 +98,22 @@ enum class Claim { unknown, yes, no };
 struct Claims {
   static constexpr double none = -1;
   double attitude_order = none, rate_order = none, energy_order = none, momentum_order = none;
+  // The order of all four where a load depends on time, if it is less than that.
+  double timed_order = std::numeric_limits<double>::infinity();
   Claim unit_attitude = Claim::unknown;       // |q| or R^T R stays at one to rounding
   Claim momentum_magnitude = Claim::unknown;  // |L| of the free body stays to rounding
   Claim space_momentum = Claim::unknown;      // L in the space frame stays, magnitude and direction
   Claim energy_bounded = Claim::unknown;      // the energy error of the free body has no secular part
   Claim reversible = Claim::unknown;          // a run forward and one back return to the start
+
+  /// These claims for a scene whose loads depend on time, or not.
+  Claims with_time(bool timed) const {
+    Claims c = *this;
+    if (timed)
+      for (double* order : {&c.attitude_order, &c.rate_order, &c.energy_order, &c.momentum_order})
+        if (*order > timed_order) *order = timed_order;
+    return c;
+  }
 };
 
 /// A run, set up: call it as often as wanted, but not from two threads at a time, copies included: they share

@@ -1,134 +1,265 @@
 #include "solvers/sensitivity.hpp"
 
-#include <memory>
-#include <optional>
+#include <cmath>
 
-#include "models/free_rotation.hpp"
-#include "models/wide.hpp"
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "models/closed_form.hpp"
+#include "models/model.hpp"
 #include "solvers/radau_run.hpp"
-#include "solvers/reference.hpp"
 #include "solvers/taylor_run.hpp"
 
 namespace polhode {
 namespace {
 
+// Rates of a tumbling body have poles at a distance of about 1.5/|w| in complex time: at the end of half a
+// radian, a polynomial through 7 Radau nodes errs by 12^-13.
+constexpr double radians_a_stretch = 0.5;
 constexpr int order = 20;
 constexpr double log2_tolerance = -62;
-constexpr int implicit_stages = 11;  // where it is stiff
+constexpr int implicit_stages = 11;
 constexpr double implicit_tolerance = 1e-17;
-constexpr std::int64_t step_limit = 20'000;  // half a second
+constexpr std::int64_t step_limit = 1000;  // in one stretch
 
-/// Attitude and rate a time later where nothing turns the body: by its closed form, in a type wide enough for
-/// a million turns.
-FreeRotation<Wide>::State free_state(const RotationData& r, const QuaternionT<Wide>& q, const Vec3T<Wide>& w,
-                                     const Wide& later) {
-  return FreeRotation<Wide>(r.moments, q, w).at(later);
-}
+/// Fast decays, by how much they are faster than the motion, are stepped over from here on: an explicit
+/// series needs 2.4 decay times a step.
+constexpr double stiff_ratio = 30;
 
-/// The same for the state of a model; the rest of the state is left as it is.
-template <class M>
-typename M::State state_later(const RotationData& r, typename M::State y, const Wide& later) {
-  using S = typename M::Scalar;
-  QuaternionT<Wide> q(Wide(1), Wide(0), Wide(0), Wide(0));
-  if constexpr (M::has_attitude) q = M::Rotating::attitude_of(y.data()).template cast<Wide>();
-  const auto x = free_state(r, q, Vec3T<Wide>(M::Rotating::w_of(y.data()).template cast<Wide>()), later);
-  if constexpr (M::has_attitude) {
-    const Wide numbers[] = {x.q.w(), x.q.x(), x.q.y(), x.q.z()};
-    for (std::size_t i = 0; i < 4; ++i) y[i] = static_cast<S>(numbers[i]);
-  }
-  for (int i = 0; i < 3; ++i) y[static_cast<std::size_t>(M::Rotating::w_at + i)] = static_cast<S>(x.w_B[i]);
-  return y;
-}
-
-template <class M>
-Sensitivity follow(const M& m, const Scene& scene, std::span<const double> times) {
-  using S = typename M::Scalar;
-  using State = typename M::State;
-  constexpr S distance = S(1e-12);
-  Sensitivity result;
-  result.attitude = M::has_attitude ? 3 : 0;
-  const int size = result.attitude + 3;
-  TaylorSeries<M> series(m, order);
-  std::unique_ptr<ErasedModel> doubles;
-  std::optional<RadauRun<S>> implicit;
-  if (is_stiff(scene, times)) {
-    doubles = erased_model(scene);
-    implicit.emplace(m, *doubles, implicit_stages);
-  }
-  // From times[from] through all later times; shorter if it took too long.
-  const auto flow = [&](State y, std::size_t from) {
-    std::vector<State> reached;
-    if (scene.rotation->loads.empty()) {
-      for (const double t : times.subspan(from + 1))
-        reached.push_back(state_later<M>(*scene.rotation, y, Wide(t) - Wide(times[from])));
-      return reached;
+Sensitivity::Path closed_path(std::shared_ptr<ClosedForm<double>> form, const ErasedModel& model) {
+  if (!form) return {};
+  const bool attitude = model.has_attitude();
+  const std::vector<double> initial(model.initial().begin(), model.initial().end());
+  // Where the centre of mass is does not matter to a disturbance of the rotation.
+  return [form, attitude, initial](std::span<const double> times, auto& states) {
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      const ExactState<double> x = form->at(times[i]);
+      auto y = states.col(static_cast<int>(i));
+      y = Eigen::Map<const Eigen::VectorXd>(initial.data(), static_cast<Eigen::Index>(initial.size()));
+      if (attitude) y.template head<4>() << x.q.w(), x.q.x(), x.q.y(), x.q.z();
+      y.template segment<3>(attitude ? 4 : 0) = x.w_B;
     }
-    S t(times[from]);
-    const auto later = times.subspan(from + 1);
-    const auto keep = [&](const S&, std::span<const S> there) {
-      std::copy(there.begin(), there.end(), reached.emplace_back().begin());
-    };
-    const std::int64_t steps = implicit ? implicit->run(t, y, later, implicit_tolerance, step_limit, keep)
-                                        : taylor_run(series, t, y, later, log2_tolerance, step_limit, keep);
-    if (steps < 0) result.known = false;
-    return reached;
+    return states.allFinite();
   };
-  const auto rate = [](const State& y) { return M::Rotating::w_of(y.data()).norm(); };
+}
 
-  std::vector<State> states{m.initial};
-  if (times.size() > 1)
-    for (const State& y : flow(m.initial, 0)) states.push_back(y);
-  S fastest(0);
-  for (const State& y : states) fastest = std::max(fastest, rate(y));
-  if (fastest == S(0)) fastest = S(1);
-  // Where a body comes to rest for a moment, or for good, its own rate would measure nothing.
-  const auto scale = [&](const State& y) { return std::max(rate(y), S(1e-3) * fastest); };
-  for (const State& y : states) result.rates.push_back(static_cast<double>(scale(y)));
-
-  for (std::size_t from = 0; from + 1 < states.size() && result.known; ++from) {
-    std::vector<Eigen::MatrixXd> maps(states.size() - 1 - from, Eigen::MatrixXd(size, size));
-    for (int column = 0; column < size && result.known; ++column) {
-      State y = states[from];
-      if constexpr (M::has_attitude)
-        if (column < 3) {
-          Vec3T<S> turn(S(0), S(0), S(0));
-          turn[column] = distance;
-          const QuaternionT<S> q = M::Rotating::attitude_of(y.data()) * exp_rotation<S>(turn);
-          const S numbers[] = {q.w(), q.x(), q.y(), q.z()};
-          std::copy(numbers, numbers + 4, y.begin());
-        }
-      if (column >= result.attitude)
-        y[static_cast<std::size_t>(M::Rotating::w_at + column - result.attitude)] +=
-            distance * scale(states[from]);
-      const std::vector<State> moved = flow(y, from);
-      for (std::size_t k = 0; k < moved.size(); ++k) {
-        const State &base = states[from + 1 + k], &other = moved[k];
-        if constexpr (M::has_attitude) {
-          const QuaternionT<S> turn = normalised<S>(M::Rotating::attitude_of(base.data())).conjugate() *
-                                      normalised<S>(M::Rotating::attitude_of(other.data()));
-          const S side(turn.w() < S(0) ? -2 : 2);
-          for (int i = 0; i < 3; ++i)
-            maps[k](i, column) = static_cast<double>(side * turn.vec()[i] / distance);
-        }
-        const Vec3T<S> change = M::Rotating::w_of(other.data()) - M::Rotating::w_of(base.data());
-        for (int i = 0; i < 3; ++i)
-          maps[k](result.attitude + i, column) = static_cast<double>(change[i] / (scale(base) * distance));
-      }
-    }
-    result.maps.push_back(std::move(maps));
+/// By Taylor series: the times of several stretches are read off one step.
+template <class M>
+class SeriesPath {
+ public:
+  using S = typename M::Scalar;
+  explicit SeriesPath(const M& m) : series_(m, order), y_(m.initial) {
+    series_.settle_signs(t_, y_);
+    expand();
   }
-  return result;
+
+  bool follow(std::span<const double> times, Eigen::MatrixXd& states) {
+    int steps = 0;
+    for (std::size_t i = 0; i < times.size(); ++i) {
+      for (; S(times[i]) > t_ + h_; expand()) {
+        if (++steps > step_limit || !(t_ + h_ > t_)) return false;
+        y_ = series_.at(h_);
+        t_ += h_;
+        if (crossed_ >= 0) series_.flip_sign(crossed_);
+      }
+      const typename M::State y = series_.at(S(times[i]) - t_);
+      for (std::size_t k = 0; k < y.size(); ++k)
+        states(static_cast<int>(k), static_cast<int>(i)) = static_cast<double>(y[k]);
+    }
+    return states.allFinite();
+  }
+
+ private:
+  void expand() {
+    series_.expand(t_, y_);
+    h_ = series_.first_sign_change(S(series_step(series_, log2_tolerance)), crossed_);
+  }
+
+  TaylorSeries<M> series_;
+  S t_{0}, h_{0};
+  typename M::State y_;
+  int crossed_ = -1;
+};
+
+/// By Radau IIA.
+template <class M>
+class ImplicitPath {
+ public:
+  using S = typename M::Scalar;
+  ImplicitPath(const M& m, const Scene& scene)
+      : m_(m), doubles_(erased_model(scene)), run_(m_, *doubles_, implicit_stages), y_(m.initial) {}
+
+  bool follow(std::span<const double> times, Eigen::MatrixXd& states) {
+    int i = 0;
+    const auto keep = [&](const S&, std::span<const S> y) {
+      for (std::size_t k = 0; k < y.size(); ++k) states(static_cast<int>(k), i) = static_cast<double>(y[k]);
+      ++i;
+    };
+    return run_.run(t_, y_, times, implicit_tolerance, step_limit, keep) >= 0 && states.allFinite();
+  }
+
+ private:
+  M m_;
+  std::unique_ptr<ErasedModel> doubles_;
+  RadauRun<S> run_;
+  S t_{0};
+  typename M::State y_;
+};
+
+Sensitivity::Path stepped_path(const Scene& scene, bool stiff) {
+  return with_general_model<long double>(scene, [&](const auto& m) -> Sensitivity::Path {
+    using M = std::remove_cvref_t<decltype(m)>;
+    if constexpr (M::has_rotation) {
+      const auto by = [](auto path) -> Sensitivity::Path {
+        return [path](auto times, auto& states) { return path->follow(times, states); };
+      };
+      if (stiff) return by(std::make_shared<ImplicitPath<M>>(m, scene));
+      return by(std::make_shared<SeriesPath<M>>(m));
+    } else {
+      return {};
+    }
+  });
+}
+
+/// How fast disturbances oscillate or grow, and how fast they die out, 1/s.
+struct Speeds {
+  double motion, decay;
+};
+Speeds speeds(const DisturbanceMap& J) {
+  Speeds s{0, 0};
+  for (const auto& lambda : J.eigenvalues()) {
+    s.motion = std::max({s.motion, std::abs(lambda.imag()), lambda.real()});
+    s.decay = std::max(s.decay, -lambda.real());
+  }
+  return s;
+}
+
+/// Weights of Lagrange's interpolation at t.
+template <class Times>
+Times interpolation(const Times& times, double t) {
+  Times weights;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    weights[i] = 1;
+    for (std::size_t j = 0; j < times.size(); ++j)
+      if (j != i) weights[i] *= (t - times[j]) / (times[i] - times[j]);
+  }
+  return weights;
 }
 
 }  // namespace
 
-Sensitivity sensitivity(const Scene& scene, std::span<const double> times) {
-  return with_general_model<long double>(scene, [&](const auto& m) -> Sensitivity {
-    if constexpr (std::remove_cvref_t<decltype(m)>::has_rotation)
-      return follow(m, scene, times);
-    else
-      return {};
-  });
+DisturbanceMap Stretch::map_to(double t) const {
+  const auto weights = interpolation(times, t);
+  DisturbanceMap sum = DisturbanceMap::Zero();
+  for (std::size_t i = 0; i < weights.size(); ++i) sum += weights[i] * maps[i];
+  return sum;
+}
+
+Vec3 Stretch::rates_at(double t) const {
+  const auto weights = interpolation(times, t);
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < weights.size(); ++i) sum += weights[i] * rates[i];
+  return sum;
+}
+
+Sensitivity::Sensitivity(const Scene& scene) : model_(erased_model(scene)), table_(Stretch::stages) {
+  const std::span<const double> initial = model_->initial();
+  y_ = Eigen::Map<const Eigen::VectorXd>(initial.data(), model_->size());
+  const Speeds s = speeds(jacobian(0, y_.data()));
+  // A first stretch as short as the fastest decay; each later one at most twice as long as that before it.
+  const double fastest = std::max({s.decay, radians_a_stretch / step(0, y_)});
+  h_ = fastest > 0 ? radians_a_stretch / fastest : 1;
+  path_ = closed_path(closed_form<double>(scene), *model_);
+  if (!path_) path_ = stepped_path(scene, s.decay > stiff_ratio * radians_a_stretch / step(0, y_));
+}
+
+Sensitivity::~Sensitivity() = default;
+
+/// By the rates themselves, their change, and what disturbances of them do.
+double Sensitivity::step(double t, const Eigen::VectorXd& y) const {
+  const int w_at = model_->has_attitude() ? 4 : 0;
+  Eigen::VectorXd slope(y.size());
+  model_->rhs(t, y.data(), slope.data());
+  const double rate = std::max({y.segment<3>(w_at).norm(), std::sqrt(slope.segment<3>(w_at).norm()),
+                                speeds(jacobian(t, y.data())).motion});
+  return radians_a_stretch / rate;
+}
+
+DisturbanceMap Sensitivity::jacobian(double t, const double* y) const {
+  const bool attitude = model_->has_attitude();
+  const int w_at = attitude ? 4 : 0;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 13, 13> J(model_->size(), model_->size());
+  model_->jacobian(t, y, J.data());
+  DisturbanceMap all = DisturbanceMap::Zero();
+  all.bottomRightCorner<3, 3>() = J.block<3, 3>(w_at, w_at);
+  if (attitude) {
+    // dq = 1/2 q (0, theta)
+    Eigen::Matrix<double, 4, 3> turn;
+    turn << -y[1], -y[2], -y[3], y[0], -y[3], y[2], y[3], y[0], -y[1], -y[2], y[1], y[0];
+    all.topLeftCorner<3, 3>() = -hat<double>(Vec3(y[4], y[5], y[6]));
+    all.topRightCorner<3, 3>().setIdentity();
+    all.bottomLeftCorner<3, 3>() = J.block<3, 4>(4, 0) * (0.5 * turn);
+  }
+  return all;
+}
+
+std::optional<Stretch> Sensitivity::next(double latest) {
+  Stretch s;
+  s.begin = s.times[0] = t_;
+  const double h = t_ > 0 ? std::min(2 * h_, step(t_, y_)) : h_;
+  s.end = std::min(t_ + h, latest);
+  if (!(s.end > t_)) return {};
+  for (std::size_t i = 0; i < Stretch::stages; ++i) s.times[i + 1] = t_ + table_.c[i] * (s.end - t_);
+  s.times.back() = s.end;
+  Eigen::MatrixXd states(model_->size(), Stretch::stages + 1);
+  states.col(0) = y_;
+  Eigen::MatrixXd later(model_->size(), Stretch::stages);
+  if (!path_(std::span(s.times).subspan(1), later)) return {};
+  states.rightCols<Stretch::stages>() = later;
+  solve(s, states);
+  t_ = s.end;
+  h_ = h;
+  y_ = later.rightCols<1>();
+  return s;
+}
+
+void Sensitivity::solve(Stretch& s, const Eigen::MatrixXd& states) const {
+  constexpr int n = Stretch::stages;
+  // In units of the stretch: rates in radians a stretch, so that all entries are comparable.
+  const double h = s.end - s.begin;
+  Eigen::Matrix<double, 6, 1> unit;
+  unit << 1, 1, 1, h, h, h;
+  const int w_at = model_->has_attitude() ? 4 : 0;
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(6 * n, 6 * n), maps(6 * n, 6);
+  for (int j = 0; j < n; ++j) {
+    const DisturbanceMap J = h * unit.asDiagonal() *
+                             jacobian(s.times[std::size_t(j + 1)], states.col(j + 1).data()) *
+                             unit.cwiseInverse().asDiagonal();
+    for (int i = 0; i < n; ++i) matrix.block<6, 6>(6 * i, 6 * j) -= table_.a(i, j) * J;
+    maps.block<6, 6>(6 * j, 0).setIdentity();
+  }
+  maps = matrix.partialPivLu().solve(maps).eval();
+  s.maps[0].setIdentity();
+  for (int j = 0; j < n; ++j)
+    s.maps[std::size_t(j + 1)] =
+        unit.cwiseInverse().asDiagonal() * maps.block<6, 6>(6 * j, 0) * unit.asDiagonal();
+  for (int j = 0; j <= n; ++j) s.rates[std::size_t(j)] = states.col(j).segment<3>(w_at);
+}
+
+std::optional<std::vector<Turning>> motion_of_doubles(const Scene& scene, std::span<const double> times) {
+  const auto model = erased_model(scene);
+  const int w_at = model->has_attitude() ? 4 : 0;
+  Sensitivity::Path path = closed_path(closed_form_extended(scene), *model);
+  if (!path) path = stepped_path(scene, false);
+  Eigen::MatrixXd states(model->size(), static_cast<int>(times.size()));
+  if (!path(times, states)) return {};
+  std::vector<Turning> all(times.size());
+  for (int i = 0; i < states.cols(); ++i) {
+    const auto y = states.col(i);
+    if (w_at > 0) all[std::size_t(i)].q = Quaternion(y[0], y[1], y[2], y[3]);
+    all[std::size_t(i)].w_B = y.segment<3>(w_at);
+  }
+  return all;
 }
 
 }  // namespace polhode
