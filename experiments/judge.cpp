@@ -82,7 +82,8 @@ std::array<bool, 6> told_by(const Scene& scene, const TrajectoryFile& file) {
           rates,
           moves && !file.p.empty(),
           computed || (!(rotates && moves) && !file.energy.empty()),
-          rotates && ((rates && oriented) || !file.L.empty()),
+          // L in a file is that of the space frame, which bare rates do not know.
+          rotates && ((rates && oriented) || (scene.rotation->attitude && !file.L.empty())),
           attitude};
 }
 

@@ -37,6 +37,7 @@ nlohmann::ordered_json method_json(const Method& m) {
             {"rate_order", order(c.rate_order)},
             {"energy_order", order(c.energy_order)},
             {"momentum_order", order(c.momentum_order)},
+            {"attitude_order_timed", order(c.with_time(true).attitude_order)},
             {"unit_attitude", claim_text(c.unit_attitude)},
             {"momentum_magnitude", claim_text(c.momentum_magnitude)},
             {"space_momentum", claim_text(c.space_momentum)},
@@ -85,7 +86,8 @@ std::string list_solvers(const Options& options) {
   }
   for (const EngineStatus& e : all_engines())
     if (!e.available) out += fmt::format("{:<{}}  {}\n", e.id + "-*", id_width, e.missing);
-  out += "\norder: of attitude, rates, energy and momentum in the step size; - : none is claimed\n";
+  out += "\norder: of attitude, rates, energy and momentum in the step size; - : none is claimed; where a load\n"
+         "depends on time: the same, unless the last column says otherwise\n";
   return out;
 }
 

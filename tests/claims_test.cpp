@@ -89,6 +89,32 @@ TEST_P(Claims, OrdersAreMeasured) {
   EXPECT_EQ(measured, claimed);
 }
 
+/// Of attitude and rates, on a scene whose load depends on time: an explicit dependence is its own path through
+/// a method's coefficients, which a scene without it never takes.
+TEST_P(Claims, OrdersWhereALoadDependsOnTime) {
+  const polhode::Claims timed = claims().with_time(true);
+  if (timed.attitude_order < 0 || sanitized) return;
+  Plan plan;
+  plan.scenes = {read_scene(std::string(POLHODE_TESTS) + "/scenes/claims-timed.toml")};
+  plan.methods = {GetParam()};
+  plan.options.quiet = true;
+  plan.options.quick = true;
+  const Table orders = convergence(plan)[1];
+  for (const auto& row : orders.rows) {
+    const std::string quantity = std::get<std::string>(row[2]);
+    if (quantity != "attitude" && quantity != "rate") continue;
+    const double claimed = quantity == "attitude" ? timed.attitude_order : timed.rate_order;
+    // High orders may have no three points between coarse steps and the floor here; they have them above.
+    if (claimed < 0 || (claimed > 4 && !std::holds_alternative<double>(row[4]))) continue;
+    ASSERT_TRUE(std::holds_alternative<double>(row[4])) << quantity << ": no order could be fitted";
+    // At least: a leading term may vanish here that does not elsewhere.
+    EXPECT_GT(std::get<double>(row[4]), claimed - 0.15) << quantity;
+    if (timed.timed_order <= claimed) {
+      EXPECT_LT(std::get<double>(row[4]), claimed + 0.5) << quantity;
+    }
+  }
+}
+
 TEST_P(Claims, AttitudeOfUnitLength) {
   if (claims().unit_attitude == Claim::unknown) return;
   const Trajectory run = free_run(method(), 10, coarse_step(method()), 16);
