@@ -25,6 +25,7 @@ constexpr Column drift_columns[] = {
     {"momentum_drift_rel", ColumnType::number, "|L - L_exact|/|L(0)|"},
     {"momentum_direction_drift_rad", ColumnType::number, "angle between L and L_exact, rad"},
     {"unit_defect", ColumnType::number, "| |q| - 1 |, or |R^T R - 1| of a matrix state"},
+    {"outcome", ColumnType::text, "of the run: ok, or why it failed; t_s is empty where it has no samples"},
 };
 constexpr Column verdict_columns[] = {
     {"scene", ColumnType::text, "scene id"},
@@ -98,15 +99,24 @@ std::vector<Table> drift(const Plan& plan) {
       std::array<std::vector<double>, quantity_count> series;
       const std::vector<Cell> head{
           text(scene.id), text(methods[i]->id), text(name_of(knobs[i])),
-          run.outcome == Outcome::unsupported || knobs[i] == Knob::none ? Cell() : Cell(values[i])};
+          run.outcome == Outcome::unsupported || run.outcome == Outcome::no_truth || knobs[i] == Knob::none
+              ? Cell()
+              : Cell(values[i])};
       for (std::size_t k = 0; k < run.samples.size(); ++k) {
         const Drifts d = drifts_at(scene, *truth, run.samples[k], truth->truth.samples[k + 1]);
         std::vector<Cell> row = head;
         row.emplace_back(run.samples[k].t);
         for (const double x : d) row.push_back(number(x));
+        row.push_back(text(name_of(run.outcome)));
         samples.add(std::move(row));
         t.push_back(run.samples[k].t);
         for (int j = 0; j < quantity_count; ++j) series[j].push_back(std::abs(d[j]));
+      }
+      if (run.samples.empty()) {
+        std::vector<Cell> row = head;
+        row.resize(std::size(drift_columns));
+        row.back() = text(name_of(run.outcome));
+        samples.add(std::move(row));
       }
       for (int j = 0; j < quantity_count; ++j) {
         const bool applies =

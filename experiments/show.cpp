@@ -65,7 +65,8 @@ int show_verb(const Options& options) {
       return truth->is_known() ? value : nlohmann::ordered_json();
     };
     j["truth"] = {{"kind", known(truth->truth.kind)},
-                  {"refusal", truth->is_known() ? nlohmann::ordered_json() : truth->truth.refusal},
+                  {"refusal", truth->is_known() ? nlohmann::ordered_json()
+                                                : nlohmann::ordered_json(truth->truth.refusal)},
                   {"attitude_uncertainty_rad", known(truth->truth.attitude_uncertainty)},
                   {"rate_uncertainty_rel", known(truth->truth.rate_uncertainty)},
                   {"cost_s", known(truth->truth.cost_s)},

@@ -45,6 +45,12 @@ Allowance allowance_of(const Options& options, const std::string& what) {
           }};
 }
 
+/// Takes the line of progress away, so that what is said next does not stand behind it.
+struct ClearedLine {
+  const Options& options;
+  ~ClearedLine() { progress(options, ""); }
+};
+
 bool is_spent(const Allowance& allowance) {
   try {
     allowance.spend();
@@ -124,6 +130,7 @@ std::shared_ptr<const SceneTruth> truth_of(const Scene& scene, std::span<const d
   // A refusal stands until somebody allows more.
   const double seconds = options.truth_budget_s;
   if (known && (known->is_known() || !known->more_time_helps || known->budget_s() >= seconds)) return known;
+  const ClearedLine line{options};
   auto found = std::make_shared<SceneTruth>(scene, all, options);
   for (const double until : ends_to_try(scene, all.back())) {
     const bool is_there = entry.motion && entry.motion->until() >= all.back();
@@ -174,6 +181,7 @@ const Floor& SceneTruth::floor() const {
     std::memcpy(&kept, bytes->data(), sizeof kept);
     return floor_.emplace(kept);
   }
+  const ClearedLine line{options_};
   const double began = thread_seconds();
   try {
     floor_ = floor_of(scene_, times_, truth, allowance_of(options_, "rounding floor of " + scene_.id));

@@ -19,7 +19,7 @@ function drift_section() {
   const t = table("drift.csv");
   if (t.rows === 0) return;
   state.drift = drift_quantities[0].column;
-  const candidates = () => new Set(t.values("solver", t.where("scene", state.scene)));
+  const candidates = () => new Set(t.values("solver", t.where("scene", state.scene).filter((i) => was_run(t, i))));
   const quantity = () => {
     const there = quantities_of(t, state.scene);
     return there.find((q) => q.column === state.drift) || there[0] || drift_quantities[0];
