@@ -19,6 +19,7 @@
 
 #include <Eigen/Core>
 
+#include "models/attitude.hpp"
 #include "models/convolution.hpp"
 
 namespace polhode {
@@ -133,6 +134,7 @@ class Tape {
 template <class S>
 class Jet {
  public:
+  using Number = S;
   Jet() = default;
   template <class C>
   requires std::is_convertible_v<C, S> Jet(const C& constant)
@@ -201,6 +203,19 @@ class Jet {
   int node_ = -1;
   S value_ = S(0);
 };
+
+/// R(q)^T a_S of a unit quaternion: a - w t + u x t, t = 2 u x a. A series knows that |q| = 1, to what its
+/// steps leave of it; models/attitude.hpp asks, for a reciprocal and seven products more.
+template <class J>
+requires std::is_same_v<J, Jet<typename J::Number>> Vec3T<J> to_body(const QuaternionT<J>& q,
+                                                                     const Vec3T<J>& a_S) {
+  const Vec3T<J> u(q.x(), q.y(), q.z());
+  Vec3T<J> t = u.cross(a_S);
+  for (int i = 0; i < 3; ++i) t[i] = t[i] * J(2);
+  const Vec3T<J> c = u.cross(t);
+  return Vec3T<J>(a_S.x() - q.w() * t.x() + c.x(), a_S.y() - q.w() * t.y() + c.y(),
+                  a_S.z() - q.w() * t.z() + c.z());
+}
 
 }  // namespace polhode
 

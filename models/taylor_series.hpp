@@ -47,6 +47,7 @@ class TaylorSeries {
 
   const S* coefficients(int i) const { return tape_.series(i); }
   int order() const { return order_; }
+  Tape<S>& tape() { return tape_; }
 
   /// The state at a distance h from the point of expansion.
   State at(const S& h) const {

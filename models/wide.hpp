@@ -6,10 +6,13 @@
 // than 34 digits of arithmetic. Exponents have 31 bits and more, so that no square of a double's range
 // vanishes or overflows. A number without a value is not a number, not zero.
 #pragma once
+#include <limits>
+
 #include <Eigen/Core>
 #include <boost/multiprecision/mpfr.hpp>
 
 #include "models/convolution.hpp"
+#include "models/limb_sum.hpp"
 #include "models/momentum_excess.hpp"
 
 namespace polhode {
@@ -30,17 +33,24 @@ struct ExactProducts<Decimal<decimal_digits>> {
 template <unsigned decimal_digits>
 struct Convolution<Decimal<decimal_digits>> {
   using S = Decimal<decimal_digits>;
+  static constexpr bool in_limbs =
+      std::numeric_limits<S>::digits <= 192 && std::numeric_limits<S>::digits > 128 && GMP_NUMB_BITS == 64;
   void operator()(S& sum, const S* a, const S* b, int k, int first, int last) {
-    mpfr_ptr total = sum.backend().data(), product = product_.backend().data();
-    mpfr_set_zero(total, 1);
-    for (int j = first; j <= last; ++j) {
-      mpfr_mul(product, a[j].backend().data(), b[k - j].backend().data(), MPFR_RNDN);
-      mpfr_add(total, total, product, MPFR_RNDN);
+    if constexpr (in_limbs) {
+      sum_.add_all(sum.backend().data(), a, b, k, first, last);
+    } else {
+      mpfr_ptr total = sum.backend().data(), product = product_.backend().data();
+      mpfr_set_zero(total, 1);
+      for (int j = first; j <= last; ++j) {
+        mpfr_mul(product, a[j].backend().data(), b[k - j].backend().data(), MPFR_RNDN);
+        mpfr_add(total, total, product, MPFR_RNDN);
+      }
     }
   }
 
  private:
   S product_{0};
+  LimbSum sum_;
 };
 }  // namespace polhode
 

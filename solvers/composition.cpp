@@ -222,7 +222,15 @@ constexpr Method top(std::string_view id, std::string_view summary, std::string_
           .source = source,
           .by_steps = true,
           .in_studies = in_studies,
-          .claims = {p, p, p, p, Claim::yes, Claim::yes, Claim::yes, Claim::yes, Claim::yes},
+          .claims = {.attitude_order = p,
+                     .rate_order = p,
+                     .energy_order = p,
+                     .momentum_order = p,
+                     .unit_attitude = Claim::yes,
+                     .momentum_magnitude = Claim::yes,
+                     .space_momentum = Claim::yes,
+                     .energy_bounded = Claim::yes,
+                     .reversible = Claim::yes},
           .prepare = prepare<TopFlow, composition>};
 }
 template <const Composition& composition>

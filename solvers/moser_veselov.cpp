@@ -318,7 +318,15 @@ constexpr Method row(std::string_view id, std::string_view summary, bool in_stud
           .source = source,
           .by_steps = true,
           .in_studies = in_studies,
-          .claims = {2, 2, 2, 2, Claim::yes, Claim::yes, Claim::yes, Claim::yes, Claim::yes},
+          .claims = {.attitude_order = 2,
+                     .rate_order = 2,
+                     .energy_order = 2,
+                     .momentum_order = 2,
+                     .unit_attitude = Claim::yes,
+                     .momentum_magnitude = Claim::yes,
+                     .space_momentum = Claim::yes,
+                     .energy_bounded = Claim::yes,
+                     .reversible = Claim::yes},
           .prepare = prepare<powers>};
 }
 

@@ -6,6 +6,7 @@
 #include "solvers/exact_motion.hpp"
 #include "solvers/proof.hpp"
 #include "solvers/thread_time.hpp"
+#include "solvers/wide_sample.hpp"
 
 namespace polhode {
 namespace {
@@ -43,6 +44,10 @@ Truth truth_of_motion(const Scene& scene, const ExactMotion& motion, double unti
     throw Refused("50 digits do not reach: the attitude is certain to " + number_text(u.attitude) +
                   " rad, the rates to " + number_text(u.rate));
   prove(scene.id, exact, motion, until, truth.samples, u, allowance);
+  // Proven, and known without any rounding.
+  for (WideSample& s : truth.samples)
+    if (s.t == 0)
+      s = with_general_model<Wide>(exact, [](const auto& m) { return wide_sample(m, Wide(0), m.initial); });
   if (!scene.rotation || scene.rotation->attitude) truth.attitude_uncertainty = u.attitude;
   truth.rate_uncertainty = u.rate;
   truth.cost_s = thread_seconds() - began;
