@@ -35,11 +35,13 @@ std::vector<double> with_zero(std::span<const double> times) {
 /// has taken. Lives no longer than the options.
 Allowance allowance_of(const Options& options, const std::string& what) {
   using Clock = std::chrono::steady_clock;
-  return {options.truth_budget_s, [&options, what, began = thread_seconds(), told = Clock::now()]() mutable {
+  return {options.truth_budget_s,
+          [&options, what, began = thread_seconds(), looked = Clock::now(), told = 0L]() mutable {
             if (interrupted()) return true;
-            if (const auto now = Clock::now(); now - told > std::chrono::milliseconds(200)) {
-              told = now;
-              progress(options, fmt::format("{}, {:.0f} s", what, thread_seconds() - began));
+            if (const auto now = Clock::now(); now - looked > std::chrono::milliseconds(200)) {
+              looked = now;
+              if (const long seconds = std::lround(thread_seconds() - began); seconds > told)
+                progress(options, fmt::format("{}, {} s", what, told = seconds));
             }
             return false;
           }};
