@@ -89,8 +89,8 @@ TEST_P(Claims, OrdersAreMeasured) {
   EXPECT_EQ(measured, claimed);
 }
 
-/// Of attitude and rates, on a scene whose load depends on time: an explicit dependence is its own path through
-/// a method's coefficients, which a scene without it never takes.
+/// Of attitude and rates, on a scene whose load depends on time: an explicit dependence is its own path
+/// through a method's coefficients, which a scene without it never takes.
 TEST_P(Claims, OrdersWhereALoadDependsOnTime) {
   const polhode::Claims timed = claims().with_time(true);
   if (timed.attitude_order < 0 || sanitized) return;

@@ -78,7 +78,7 @@ class DrawnScenes {
       text += (text.size() > 1 ? ", " : "") + (x == 0 && std::signbit(x) ? "-0.0" : number_text(x));
     return text + "]";
   }
-  double simple() {
+  double simple_number() {
     constexpr double numbers[] = {0, 0, -0.0, 0.5, 1, 2, 3, -1, -2, 0.7, -0.25, 4};
     return numbers[below(std::size(numbers))];
   }
@@ -91,7 +91,7 @@ class DrawnScenes {
       std::vector<double> v;
       bool zero = true;
       for (int i = 0; i < n; ++i) {
-        v.push_back(simple());
+        v.push_back(simple_number());
         zero = zero && v.back() == 0;
       }
       if (!zero || !not_zero) return v;
@@ -112,7 +112,10 @@ class DrawnScenes {
   /// Those moments in turned axes: xx yy zz xy xz yz.
   std::vector<double> tensor(const std::vector<double>& m) {
     double q[4], n = 0;
-    for (double& x : q) n += (x = uniform(-1, 1)) * x;
+    for (double& x : q) {
+      x = uniform(-1, 1);
+      n += x * x;
+    }
     for (double& x : q) x /= std::sqrt(n);
     const double R[3][3] = {{1 - 2 * (q[2] * q[2] + q[3] * q[3]), 2 * (q[1] * q[2] - q[0] * q[3]),
                              2 * (q[1] * q[3] + q[0] * q[2])},
@@ -142,7 +145,7 @@ class DrawnScenes {
     switch (kind) {
       case 0:
         return head + "\"gravity_about_pivot\"\nacceleration = " + list({0, 0, -simple_or(1, 9)}) +
-               "\ncenter_of_mass = " + list({0, simple() / 8, simple_or(0.05, 0.5)}) + "\n";
+               "\ncenter_of_mass = " + list({0, simple_number() / 8, simple_or(0.05, 0.5)}) + "\n";
       case 1:
         return head + "\"angular_drag\"\ncoefficients = " +
                list({simple_or(0.01, 0.5), simple_or(0.01, 0.5), simple_or(0.01, 0.5)}) + "\n";

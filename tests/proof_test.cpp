@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <functional>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -182,7 +183,8 @@ TEST_F(ProofOfWrong, AJumpAtASingleTime) {
   for (const auto& text : {free_, top_})
     EXPECT_THAT(found(text,
                       [](WideSample& s) {
-                        if (s.t > 2.4 && s.t < 2.6 || s.t > 0.4 && s.t < 0.6) s.w_B *= Wide(1) + Wide(1e-20);
+                        if ((s.t > 2.4 && s.t < 2.6) || (s.t > 0.4 && s.t < 0.6))
+                          s.w_B *= Wide(1) + Wide(1e-20);
                       }),
                 testing::AnyOf(HasSubstr("energy"), HasSubstr("momentum")));
 }

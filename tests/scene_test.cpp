@@ -47,7 +47,7 @@ TEST(BuiltInScenes, AllReadAndAreSane) {
       EXPECT_TRUE(std::isfinite(speed));
     });
     if (scene.rotation) {
-      EXPECT_EQ(inertia_fault(scene.rotation->moments, id != "euler-equations"), "");
+      EXPECT_EQ(inertia_fault(scene.rotation->moments, id != "euler-equations").text, "");
       EXPECT_NEAR(squared_norm(scene.rotation->principal_to_user), 1, 1e-15);
     }
     if (scene.dial) {
