@@ -1,3 +1,9 @@
+// Two recursions along the marks of solvers/sensitivity.hpp, whose maps M take disturbances from one to the
+// next: P <- M P, from the start, tells the growth of initial disturbances and of the first rounding; S with
+// S S^T <- M (S S^T + N^2) M^T adds up the squares of all roundings N on the way. Divided by their number
+// that is what one rounding does in the mean. (The sum itself would grow with the number of marks; a solver
+// of high order takes fewer steps than that.) A free body goes round and round its polhode: from the second
+// period on its maps are those of the first, and many periods are one power of a map.
 #include "solvers/floor.hpp"
 
 #include <algorithm>
@@ -15,16 +21,16 @@ namespace polhode {
 namespace {
 
 constexpr double epsilon = std::numeric_limits<double>::epsilon();
-constexpr double least_attitude = 4e-16;  // that a quaternion of doubles resolves, rad
-constexpr double most_attitude = std::numbers::pi,
-                 most_rate = 2;  // two motions that know nothing of each other
+constexpr double least_attitude = 4e-16;            // that a quaternion of doubles resolves, rad
+constexpr double most_attitude = std::numbers::pi;  // of two motions that know nothing of each other
+constexpr double most_rate = 2;
 constexpr double most_growth = 1e300;
 constexpr double most_entry = 1e150;  // of a map: a product of two does not overflow
 // Rates are measured by |w|, but by no less than this part of the fastest: a body may come to rest.
 constexpr double least_rate = 1e-3;
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
-constexpr int stretch_limit = 10'000;  // half a second
-constexpr int blocks_an_octave = 8;
+constexpr int stretch_limit = 10'000;  // 5000 radians, half a second
+constexpr int blocks_an_octave = 8;    // an octave: from a number of periods to twice that
 
 /// NaN counts as the bound: what has overflowed.
 double bounded(double x, double bound) { return x < bound ? x : bound; }
@@ -295,6 +301,7 @@ Floor floor_of(const Scene& scene, std::span<const double> times, const Truth& t
                const Allowance& allowance) {
   if (!scene.rotation) return {};
   Floor floor = Follower(scene, times, allowance).run();
+  // The one place where the reduction of the file to doubles comes in.
   if (starts_elsewhere(scene, truth)) include_start(scene, times, truth, floor);
   return floor;
 }
