@@ -24,6 +24,13 @@ constexpr Effort brief{1.0 / 16384, 4}, thorough{1.0 / 16, 10};
 
 double size_of(const V& v) { return v.norm().convert_to<double>(); }
 
+/// What thousands of roundings in 50 digits may leave, beside what is stated.
+constexpr double rounding = 1e-45;
+
+/// What differences of rates are measured by: |w|, but no less than this part of the fastest. A body may come
+/// to rest, and what is left of its rates is as exact as those were that it had.
+constexpr double least_rate = 1e-3;
+
 std::string digits(const Checked& x) { return x.str(24, std::ios_base::scientific); }
 template <class Vector>
 std::string digits(const Vector& v) {
@@ -47,8 +54,8 @@ class Prover {
         samples_(samples),
         allowance_(allowance),
         second_(exact),
-        attitude_(4 * uncertainty.attitude),
-        rate_(4 * uncertainty.rate) {
+        attitude_(4 * uncertainty.attitude + rounding),
+        rate_(4 * uncertainty.rate + rounding) {
     for (const WideSample& s : samples)
       fastest_ = std::max(fastest_, Wide(s.w_B.norm()).convert_to<double>());
   }
@@ -93,7 +100,7 @@ class Prover {
           contradict(what, sample.t, "attitude " + digits(own.q()), digits(other.q()), gap, allowed);
       }
       const V w = second_.rates_U(own), w_other = second_.rates_U(other);
-      const double size = std::max(size_of(w_other), 1e-9 * fastest_), gap = size_of(V(w - w_other)),
+      const double size = std::max(size_of(w_other), least_rate * fastest_), gap = size_of(V(w - w_other)),
                    allowed = size * (rate_ + errors.rate_error);
       if (!(gap <= allowed)) contradict(what, sample.t, "rates " + digits(w), digits(w_other), gap, allowed);
     }
@@ -169,7 +176,7 @@ class Prover {
     for (const WideSample& sample : samples_) {
       allowance_.spend();
       const StatedState s = second_.stated(sample);
-      const double w = std::max(size_of(second_.rates_U(s)), 1e-9 * fastest_), momentum = inertia * w;
+      const double w = std::max(size_of(second_.rates_U(s)), least_rate * fastest_), momentum = inertia * w;
       const double off_L = momentum * (attitude_ + rate_) * 2;
       if (oriented && (free || only_space)) {
         const V must = start.L() + torque * Checked(sample.t);

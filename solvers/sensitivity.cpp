@@ -20,14 +20,13 @@ constexpr int order = 20;
 constexpr double log2_tolerance = -62;
 constexpr int implicit_stages = 11;
 constexpr double implicit_tolerance = 1e-17;
-constexpr std::int64_t step_limit = 1000;  // in one stretch
+constexpr std::int64_t step_limit = 1000;  // from one asked time, or mark, to the next
 
-/// Fast decays, by how much they are faster than the motion, are stepped over from here on: an explicit
-/// series needs 2.4 decay times a step.
+// Decays that are so many times faster than the motion are stepped over: an explicit series goes 2.4 decay
+// times a step.
 constexpr double stiff_ratio = 30;
 
 Sensitivity::Path closed_path(std::shared_ptr<ClosedForm<double>> form, const ErasedModel& model) {
-  if (!form) return {};
   const bool attitude = model.has_attitude();
   const std::vector<double> initial(model.initial().begin(), model.initial().end());
   // Where the centre of mass is does not matter to a disturbance of the rotation.
@@ -121,17 +120,51 @@ Sensitivity::Path stepped_path(const Scene& scene, bool stiff) {
   });
 }
 
-/// How fast disturbances oscillate or grow, and how fast they die out, 1/s.
+/// The 6x6 matrix of the equations of disturbances.
+DisturbanceMap jacobian(const ErasedModel& model, double t, const double* y) {
+  const bool attitude = model.has_attitude();
+  const int w_at = attitude ? 4 : 0;
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 13, 13> J(model.size(), model.size());
+  model.jacobian(t, y, J.data());
+  DisturbanceMap all = DisturbanceMap::Zero();
+  all.bottomRightCorner<3, 3>() = J.block<3, 3>(w_at, w_at);
+  if (attitude) {
+    // dq = 1/2 q (0, theta)
+    Eigen::Matrix<double, 4, 3> turn;
+    turn << -y[1], -y[2], -y[3], y[0], -y[3], y[2], y[3], y[0], -y[1], -y[2], y[1], y[0];
+    all.topLeftCorner<3, 3>() = -hat<double>(Vec3(y[4], y[5], y[6]));
+    all.topRightCorner<3, 3>().setIdentity();
+    all.bottomLeftCorner<3, 3>() = J.block<3, 4>(4, 0) * (0.5 * turn);
+  }
+  return all;
+}
+
+/// How fast the motion is and its disturbances oscillate or grow, and how fast they die out, 1/s.
 struct Speeds {
   double motion, decay;
 };
-Speeds speeds(const DisturbanceMap& J) {
-  Speeds s{0, 0};
-  for (const auto& lambda : J.eigenvalues()) {
+Speeds speeds(const ErasedModel& model, double t, const Eigen::VectorXd& y) {
+  const int w_at = model.has_attitude() ? 4 : 0;
+  Eigen::VectorXd slope(y.size());
+  model.rhs(t, y.data(), slope.data());
+  // From rest there is no rate yet, only its change.
+  Speeds s{std::max(y.segment<3>(w_at).norm(), std::sqrt(slope.segment<3>(w_at).norm())), 0};
+  for (const auto& lambda : jacobian(model, t, y.data()).eigenvalues()) {
     s.motion = std::max({s.motion, std::abs(lambda.imag()), lambda.real()});
     s.decay = std::max(s.decay, -lambda.real());
   }
   return s;
+}
+
+Eigen::VectorXd start_of(const ErasedModel& model) {
+  return Eigen::Map<const Eigen::VectorXd>(model.initial().data(), model.size());
+}
+
+Sensitivity::Path path_of(const Scene& scene, std::shared_ptr<ClosedForm<double>> form,
+                          const ErasedModel& model) {
+  if (form) return closed_path(std::move(form), model);
+  const Speeds s = speeds(model, 0, start_of(model));
+  return stepped_path(scene, s.decay > stiff_ratio * s.motion);
 }
 
 /// Weights of Lagrange's interpolation at t.
@@ -162,51 +195,21 @@ Vec3 Stretch::rates_at(double t) const {
   return sum;
 }
 
-Sensitivity::Sensitivity(const Scene& scene) : model_(erased_model(scene)), table_(Stretch::stages) {
-  const std::span<const double> initial = model_->initial();
-  y_ = Eigen::Map<const Eigen::VectorXd>(initial.data(), model_->size());
-  const Speeds s = speeds(jacobian(0, y_.data()));
-  // A first stretch as short as the fastest decay; each later one at most twice as long as that before it.
-  const double fastest = std::max({s.decay, radians_a_stretch / step(0, y_)});
+Sensitivity::Sensitivity(const Scene& scene)
+    : model_(erased_model(scene)),
+      path_(path_of(scene, closed_form<double>(scene), *model_)),
+      table_(Stretch::stages),
+      y_(start_of(*model_)) {
+  // A first stretch as short as the fastest decay; each later one is at most twice as long as that before it.
+  const Speeds s = speeds(*model_, 0, y_);
+  const double fastest = std::max(s.decay, s.motion);
   h_ = fastest > 0 ? radians_a_stretch / fastest : 1;
-  path_ = closed_path(closed_form<double>(scene), *model_);
-  if (!path_) path_ = stepped_path(scene, s.decay > stiff_ratio * radians_a_stretch / step(0, y_));
-}
-
-Sensitivity::~Sensitivity() = default;
-
-/// By the rates themselves, their change, and what disturbances of them do.
-double Sensitivity::step(double t, const Eigen::VectorXd& y) const {
-  const int w_at = model_->has_attitude() ? 4 : 0;
-  Eigen::VectorXd slope(y.size());
-  model_->rhs(t, y.data(), slope.data());
-  const double rate = std::max({y.segment<3>(w_at).norm(), std::sqrt(slope.segment<3>(w_at).norm()),
-                                speeds(jacobian(t, y.data())).motion});
-  return radians_a_stretch / rate;
-}
-
-DisturbanceMap Sensitivity::jacobian(double t, const double* y) const {
-  const bool attitude = model_->has_attitude();
-  const int w_at = attitude ? 4 : 0;
-  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 13, 13> J(model_->size(), model_->size());
-  model_->jacobian(t, y, J.data());
-  DisturbanceMap all = DisturbanceMap::Zero();
-  all.bottomRightCorner<3, 3>() = J.block<3, 3>(w_at, w_at);
-  if (attitude) {
-    // dq = 1/2 q (0, theta)
-    Eigen::Matrix<double, 4, 3> turn;
-    turn << -y[1], -y[2], -y[3], y[0], -y[3], y[2], y[3], y[0], -y[1], -y[2], y[1], y[0];
-    all.topLeftCorner<3, 3>() = -hat<double>(Vec3(y[4], y[5], y[6]));
-    all.topRightCorner<3, 3>().setIdentity();
-    all.bottomLeftCorner<3, 3>() = J.block<3, 4>(4, 0) * (0.5 * turn);
-  }
-  return all;
 }
 
 std::optional<Stretch> Sensitivity::next(double latest) {
   Stretch s;
   s.begin = s.times[0] = t_;
-  const double h = t_ > 0 ? std::min(2 * h_, step(t_, y_)) : h_;
+  const double h = t_ > 0 ? std::min(2 * h_, radians_a_stretch / speeds(*model_, t_, y_).motion) : h_;
   s.end = std::min(t_ + h, latest);
   if (!(s.end > t_)) return {};
   for (std::size_t i = 0; i < Stretch::stages; ++i) s.times[i + 1] = t_ + table_.c[i] * (s.end - t_);
@@ -233,7 +236,7 @@ void Sensitivity::solve(Stretch& s, const Eigen::MatrixXd& states) const {
   Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(6 * n, 6 * n), maps(6 * n, 6);
   for (int j = 0; j < n; ++j) {
     const DisturbanceMap J = h * unit.asDiagonal() *
-                             jacobian(s.times[std::size_t(j + 1)], states.col(j + 1).data()) *
+                             jacobian(*model_, s.times[std::size_t(j + 1)], states.col(j + 1).data()) *
                              unit.cwiseInverse().asDiagonal();
     for (int i = 0; i < n; ++i) matrix.block<6, 6>(6 * i, 6 * j) -= table_.a(i, j) * J;
     maps.block<6, 6>(6 * j, 0).setIdentity();
@@ -249,15 +252,14 @@ void Sensitivity::solve(Stretch& s, const Eigen::MatrixXd& states) const {
 std::optional<std::vector<Turning>> motion_of_doubles(const Scene& scene, std::span<const double> times) {
   const auto model = erased_model(scene);
   const int w_at = model->has_attitude() ? 4 : 0;
-  Sensitivity::Path path = closed_path(closed_form_extended(scene), *model);
-  if (!path) path = stepped_path(scene, false);
-  Eigen::MatrixXd states(model->size(), static_cast<int>(times.size()));
-  if (!path(times, states)) return {};
-  std::vector<Turning> all(times.size());
-  for (int i = 0; i < states.cols(); ++i) {
-    const auto y = states.col(i);
-    if (w_at > 0) all[std::size_t(i)].q = Quaternion(y[0], y[1], y[2], y[3]);
-    all[std::size_t(i)].w_B = y.segment<3>(w_at);
+  const Sensitivity::Path path = path_of(scene, closed_form_extended(scene), *model);
+  std::vector<Turning> all;
+  Eigen::MatrixXd state(model->size(), 1);
+  for (const double& t : times) {
+    if (!path(std::span(&t, 1), state)) return {};
+    Turning& x = all.emplace_back();
+    if (w_at > 0) x.q = Quaternion(state(0), state(1), state(2), state(3));
+    x.w_B = Vec3(state(w_at), state(w_at + 1), state(w_at + 2));
   }
   return all;
 }

@@ -43,12 +43,11 @@ struct Stretch {
 ///
 /// The motion comes from the closed form of the scene, else from Taylor series in 64 bits of arithmetic, from
 /// Radau IIA in the same where it is stiff. The linear equations above are solved beside it by Radau IIA of
-/// 7 stages to the rounding of a double (which matters: what is lost on the way grows like any disturbance),
-/// and without a thought for how fast disturbances die out.
+/// 7 stages, to the rounding of a double: what is lost on the way grows like any disturbance. Decays are
+/// damped, however fast. Where the torque of a spring jumps, half a turn away, the jump itself is left out.
 class Sensitivity {
  public:
   explicit Sensitivity(const Scene& scene);
-  ~Sensitivity();
 
   /// From where it stands to the next mark, or to `latest` if that comes first. Nothing: the motion cannot
   /// be followed.
@@ -58,14 +57,12 @@ class Sensitivity {
   using Path = std::function<bool(std::span<const double> times, Eigen::MatrixXd& states)>;
 
  private:
-  double step(double t, const Eigen::VectorXd& y) const;
-  DisturbanceMap jacobian(double t, const double* y) const;
   void solve(Stretch& stretch, const Eigen::MatrixXd& states) const;
 
   std::unique_ptr<ErasedModel> model_;
   Path path_;
   RadauTable<double> table_;
-  double t_ = 0, h_ = 0;
+  double t_ = 0, h_ = 0;  // where it stands, and its last step
   Eigen::VectorXd y_;
 };
 

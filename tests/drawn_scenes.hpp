@@ -38,7 +38,7 @@ class DrawnScenes {
         break;
       }
       case 3: {  // exactly equal moments, along (1, 1, 1)
-        const double off[] = {1, -0.25, 0.5};
+        const double off[] = {0.25, -0.25, 0.5};
         const double o = off[below(3)];
         text += "inertia = " + list({2, 2, 2, o, o, o}) + "\n";
         break;

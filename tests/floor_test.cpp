@@ -202,6 +202,15 @@ TEST(Floor, FollowsAFreeBodyForMillionsOfRadians) {
     EXPECT_TRUE(far.attitude_growth > 50 * near.attitude_growth) << id << ' ' << far.attitude_growth;
     EXPECT_TRUE(far.attitude_growth < 200 * near.attitude_growth) << id << ' ' << far.attitude_growth;
   }
+  // Its rates return after 6e4 radians only. It turns as a sphere does.
+  const Scene round = body(Vec3(1, 1.0001, 1.0002), Vec3(0.5, 0.6, 0.7));
+  Floor before;
+  for (const double duration : {1e3, 4e3, 5e3, 2e4, 1e5, 1e6}) {
+    const Floor f = floor_until(round, duration);
+    EXPECT_NEAR(f.attitude_growth / (duration * round.rotation->w0.norm()), 1, 0.6) << duration;
+    EXPECT_GT(f.attitude, before.attitude) << duration;
+    before = f;
+  }
 }
 
 TEST(Floor, StepsOverFastDecays) {

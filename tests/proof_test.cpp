@@ -38,7 +38,7 @@ class Proof : public SceneFile {
         const auto there = second.reached(Checked(t), s, Checked(h), 14);
         // A spring that changes sides is followed up to its change.
         const bool crossed = second.side(s, false) != second.side(there.state, false);
-        if (crossed && h > Wide(1e-34)) continue;
+        if (crossed && h > Wide(1e-44)) continue;
         if (!crossed && !(there.attitude_error < 1e-38 && there.rate_error < 1e-38) && h > Wide(1e-12))
           continue;
         s = there.state;
@@ -96,7 +96,7 @@ TEST_F(Proof, AxesThatAreNotPrincipal) {
 
 TEST_F(Proof, LoadsAndPairsOfLoads) {
   DrawnScenes drawn(11);
-  for (int i = 0; i < many(60) && !HasFailure(); ++i) holds(drawn.loaded(), 0.5);
+  for (int i = 0; i < many(24) && !HasFailure(); ++i) holds(drawn.loaded(), 0.5);
 }
 
 /// A motion made wrong in one way.
@@ -128,12 +128,15 @@ class ProofOfWrong : public Proof {
     const ExactScene exact = exact_scene(scene);
     auto right = closed_motion(scene);
     if (!right) right = series_motion(exact, scene.duration, {});
+    // What is stated is that of the right motion: the wrong one must not widen its own allowance.
+    ExactMotion::Uncertainty stated;
     const Wrong wrong(*right, change);
     std::vector<Wide> times;
     for (int i = 0; i <= count; ++i) times.push_back(Wide(scene.duration) * i / count);
+    stated = right->uncertainty(right->at(times, {}), {});
     const auto samples = wrong.at(times, {});
     try {
-      prove("drawn", exact, wrong, scene.duration, samples, right->uncertainty(samples, {}), {});
+      prove("drawn", exact, wrong, scene.duration, samples, stated, {});
     } catch (const Error& e) {
       EXPECT_EQ(e.exit_code, 70);
       return e.what();
@@ -157,8 +160,8 @@ TEST_F(ProofOfWrong, AMirroredRate) {  // the fault that the first version had
   for (const auto& text : {free_, top_}) {
     const std::string said = found(text, [](WideSample& s) { s.w_B.y() = -s.w_B.y(); });
     EXPECT_THAT(said, HasSubstr("the start that the file gives"));
-    EXPECT_THAT(said, HasSubstr("7.0"));  // both values
-    EXPECT_THAT(said, HasSubstr("-7"));
+    EXPECT_THAT(said, HasSubstr("-6.9999999999999995559"));  // both values, as the double 0.7 has them
+    EXPECT_THAT(said, HasSubstr(" 6.9999999999999995559"));
   }
 }
 
