@@ -204,14 +204,18 @@ class Jet {
   S value_ = S(0);
 };
 
-/// R(q)^T a_S of a unit quaternion: a - w t + u x t, t = 2 u x a. A series knows that |q| = 1, to what its
-/// steps leave of it; models/attitude.hpp asks, for a reciprocal and seven products more.
+/// R(q)^T a_S of a unit quaternion: a - w t + u x t, t = 2 u x a. A series knows that |q| = 1 of its own
+/// state, to what its steps leave of it, and does without the reciprocal and seven products that any other q
+/// needs.
 template <class J>
 requires std::is_same_v<J, Jet<typename J::Number>> Vec3T<J> to_body(const QuaternionT<J>& q,
                                                                      const Vec3T<J>& a_S) {
   const Vec3T<J> u(q.x(), q.y(), q.z());
+  const bool constant =
+      q.w().is_constant() && u.x().is_constant() && u.y().is_constant() && u.z().is_constant();
+  const J twice = constant ? J(2) / squared_norm(q) : J(2);
   Vec3T<J> t = u.cross(a_S);
-  for (int i = 0; i < 3; ++i) t[i] = t[i] * J(2);
+  for (int i = 0; i < 3; ++i) t[i] = t[i] * twice;
   const Vec3T<J> c = u.cross(t);
   return Vec3T<J>(a_S.x() - q.w() * t.x() + c.x(), a_S.y() - q.w() * t.y() + c.y(),
                   a_S.z() - q.w() * t.z() + c.z());

@@ -1,5 +1,6 @@
 // The truth of scenes that have a closed form: in 50 digits, and in 40 to see what they leave.
 #include "models/closed_form.hpp"
+#include "solvers/second_method.hpp"
 #include "solvers/wide_sample.hpp"
 
 namespace polhode {
@@ -45,7 +46,7 @@ class ClosedMotion final : public ExactMotion {
   Uncertainty uncertainty(std::span<const WideSample> samples, const Allowance& allowance) const override {
     Uncertainty u;
     if (!exact_.rotation) return u;
-    const Wide least = least_rate(samples);
+    const Wide least = least_rate(samples, natural_rate(exact_));
     const std::size_t every = std::max<std::size_t>(1, samples.size() / 16);
     for (std::size_t i = samples.empty() ? 0 : (samples.size() - 1) % every; i < samples.size(); i += every) {
       allowance.spend();

@@ -307,6 +307,16 @@ Floor Follower::run() {
   return floor_;
 }
 
+/// The truth may start from other numbers than solvers do: what the file says, not the doubles nearest to it.
+bool starts_elsewhere(const Scene& scene, const Truth& truth) {
+  if (truth.samples.empty()) return false;
+  const RotationData& r = *scene.rotation;
+  const WideSample& s = truth.samples.front();
+  const Wide rounding(1e-30);
+  return (r.attitude && attitude_error<Wide>(s.q, r.q0.cast<Wide>()) > rounding) ||
+         (s.w_B - r.w0.cast<Wide>()).norm() > rounding * s.w_B.norm();
+}
+
 /// The floor is at least what starting from the scene's doubles makes of the truth.
 void include_start(const Scene& scene, std::span<const double> times, const Truth& truth, Floor& floor) {
   const std::optional<std::vector<Turning>> rounded = motion_of_doubles(scene, times);

@@ -4,6 +4,7 @@
 
 #include "models/errors.hpp"
 #include "solvers/radau_run.hpp"
+#include "solvers/second_method.hpp"
 #include "solvers/wide_sample.hpp"
 
 namespace polhode {
@@ -36,7 +37,7 @@ class ImplicitMotion final : public ExactMotion {
         at_end[i] += kept.step.z(static_cast<int>(i), stages - 1);
       samples.push_back(sample_(ends.back(), at_end));
     }
-    const Wide least = least_rate(samples);
+    const Wide least = least_rate(samples, natural_rate(exact_));
     Uncertainty u;
     std::size_t i = 0;
     y = initial_;

@@ -4,9 +4,9 @@
 //   y <- y + sum m_i g_i
 //
 // Order 4, L-stable, where the equations do not know the time. Where they do (a gravity gradient), the
-// library (Boost 1.74 to 1.83) has order 1: its d4 is 0.0362 and should be -0.0362, as it is in RODAS. Measured on
-// dy/dt = sin t - y^2: errors fall with h^1.1, with the other sign with h^4. `odeint-rosenbrock4-corrected`
-// is the library with that number, given through its own template parameter.
+// library (Boost 1.74 to 1.83) has order 1: its d4 is 0.0362 and should be -0.0362, as it is in RODAS.
+// Measured on dy/dt = sin t - y^2: errors fall with h^1.1, with the other sign with h^4.
+// `odeint-rosenbrock4-corrected` is the library with that number, given through its own template parameter.
 //
 // The matrix is the model's own Jacobian. With a tolerance the library's controller keeps the root mean
 // square of e_i/(atol + rtol max(|y_i| before, after the step)) below one, with the predictive control of
@@ -106,14 +106,14 @@ Prepared prepare_rosenbrock(const Scene& scene, const Setting& setting) {
 constexpr std::string_view source =
     "Ahnert & Mulansky, AIP Conf. Proc. 1389 (2011); Hairer & Wanner, Solving ODEs II (1996), IV.7";
 constexpr Claims corrected_claims = {.attitude_order = 4,
-                           .rate_order = 4,
-                           .energy_order = 4,
-                           .momentum_order = 4,
-                           .unit_attitude = Claim::no,
-                           .momentum_magnitude = Claim::no,
-                           .space_momentum = Claim::no,
-                           .energy_bounded = Claim::no,
-                           .reversible = Claim::no};
+                                     .rate_order = 4,
+                                     .energy_order = 4,
+                                     .momentum_order = 4,
+                                     .unit_attitude = Claim::no,
+                                     .momentum_magnitude = Claim::no,
+                                     .space_momentum = Claim::no,
+                                     .energy_bounded = Claim::no,
+                                     .reversible = Claim::no};
 
 constexpr Claims claims_as_shipped() {
   Claims c = corrected_claims;

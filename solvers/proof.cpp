@@ -58,6 +58,7 @@ class Prover {
         rate_(4 * uncertainty.rate + rounding) {
     for (const WideSample& s : samples)
       fastest_ = std::max(fastest_, Wide(s.w_B.norm()).convert_to<double>());
+    fastest_ = std::max(fastest_, natural_rate(exact));
   }
 
   void prove() {

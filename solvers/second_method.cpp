@@ -219,6 +219,11 @@ int SecondMethod::side(const StatedState& s, bool backward) const {
   return 1;
 }
 
+double natural_rate(const ExactScene& exact) {
+  const SecondMethod second(exact);
+  return second.pace(second.start());
+}
+
 SecondMethod::Reached SecondMethod::reached(const Checked& t, const StatedState& from, const Checked& h,
                                             int rows) const {
   const int held = side(from, h < 0);

@@ -65,4 +65,8 @@ class SecondMethod {
   TranslationDataT<Checked> translation_;
 };
 
+/// What the rates of a scene are measured by where it is at rest: those that its loads could bring about in a
+/// radian or so [rad/s].
+double natural_rate(const ExactScene& exact);
+
 }  // namespace polhode

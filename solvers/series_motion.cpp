@@ -3,6 +3,7 @@
 //
 // What is kept is the state at the beginning of each step: the series about it, made again, gives every time
 // of the step.
+#include "solvers/second_method.hpp"
 #include "solvers/taylor_run.hpp"
 #include "solvers/wide_sample.hpp"
 
@@ -15,7 +16,7 @@ class SeriesMotion final : public ExactMotion {
   static constexpr int order = 48;
   static constexpr std::int64_t step_limit = 300'000;
 
-  explicit SeriesMotion(M model) : model_(std::move(model)) {}
+  SeriesMotion(M model, double natural) : model_(std::move(model)), natural_rate_(natural) {}
 
   void run(double until, const Allowance& allowance) {
     const Wide end[] = {Wide(until)};
@@ -117,7 +118,7 @@ class SeriesMotion final : public ExactMotion {
     State y = model_.initial;
     Uncertainty u;
     std::size_t i = 0;
-    Wide fastest(0);
+    Wide fastest(natural_rate_);
     const std::int64_t taken = taylor_run(
         series, t, y, std::span<const Wide>(ends), -120, step_limit,  // 2^-120 = 1e-36
         [&](const Wide& at, const State& state) {
@@ -140,6 +141,7 @@ class SeriesMotion final : public ExactMotion {
   }
 
   M model_;
+  double natural_rate_;  // rad/s
   std::vector<Step> steps_;
 };
 
@@ -148,7 +150,7 @@ class SeriesMotion final : public ExactMotion {
 std::unique_ptr<ExactMotion> series_motion(const ExactScene& exact, double until,
                                            const Allowance& allowance) {
   return with_general_model<Wide>(exact, [&](const auto& m) -> std::unique_ptr<ExactMotion> {
-    auto motion = std::make_unique<SeriesMotion<std::remove_cvref_t<decltype(m)>>>(m);
+    auto motion = std::make_unique<SeriesMotion<std::remove_cvref_t<decltype(m)>>>(m, natural_rate(exact));
     motion->run(until, allowance);
     return motion;
   });
@@ -156,7 +158,7 @@ std::unique_ptr<ExactMotion> series_motion(const ExactScene& exact, double until
 
 std::unique_ptr<ExactMotion> restored_series(const ExactScene& exact, std::string_view bytes) {
   return with_general_model<Wide>(exact, [&](const auto& m) -> std::unique_ptr<ExactMotion> {
-    auto motion = std::make_unique<SeriesMotion<std::remove_cvref_t<decltype(m)>>>(m);
+    auto motion = std::make_unique<SeriesMotion<std::remove_cvref_t<decltype(m)>>>(m, natural_rate(exact));
     if (!motion->read(bytes)) return nullptr;
     return motion;
   });

@@ -39,9 +39,10 @@ inline void widen(ExactMotion::Uncertainty& u, const WideSample& s, const Quater
   if (scale > 0) u.rate = larger(u.rate, Wide((s.w_B - w_B).norm() / scale).convert_to<double>());
 }
 
-/// Below it a rate has died out: 1e-30 of the fastest.
-inline Wide least_rate(std::span<const WideSample> samples) {
-  Wide fastest(0);
+/// Below it a rate has died out, or is what rounding leaves of rest: 1e-30 of the fastest, or of what the
+/// loads could bring about (solvers/second_method.hpp).
+inline Wide least_rate(std::span<const WideSample> samples, double natural) {
+  Wide fastest(natural);
   for (const WideSample& s : samples) fastest = std::max(fastest, Wide(s.w_B.norm()));
   return Wide(1e-30) * fastest;
 }

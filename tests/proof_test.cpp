@@ -83,7 +83,7 @@ class Proof : public SceneFile {
 
 TEST_F(Proof, SimpleNumbers) {
   DrawnScenes drawn(20261128);
-  for (int i = 0; i < many(300) && !HasFailure(); ++i) {
+  for (int i = 0; i < many(100) && !HasFailure(); ++i) {
     const std::string text = drawn.simple();
     holds(text, i % 3 ? 1 : 2.5);
   }
@@ -91,12 +91,12 @@ TEST_F(Proof, SimpleNumbers) {
 
 TEST_F(Proof, AxesThatAreNotPrincipal) {
   DrawnScenes drawn(7);
-  for (int i = 0; i < many(60) && !HasFailure(); ++i) holds(drawn.not_principal(), 0.5);
+  for (int i = 0; i < many(30) && !HasFailure(); ++i) holds(drawn.not_principal(), 0.5);
 }
 
 TEST_F(Proof, LoadsAndPairsOfLoads) {
   DrawnScenes drawn(11);
-  for (int i = 0; i < many(24) && !HasFailure(); ++i) holds(drawn.loaded(), 0.5);
+  for (int i = 0; i < many(12) && !HasFailure(); ++i) holds(drawn.loaded(), 0.5);
 }
 
 /// A motion made wrong in one way.
