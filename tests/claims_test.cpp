@@ -107,8 +107,10 @@ TEST_P(Claims, OrdersWhereALoadDependsOnTime) {
     // High orders may have no three points between coarse steps and the floor here; they have them above.
     if (claimed < 0 || (claimed > 4 && !std::holds_alternative<double>(row[4]))) continue;
     ASSERT_TRUE(std::holds_alternative<double>(row[4])) << quantity << ": no order could be fitted";
-    // At least: a leading term may vanish here that does not elsewhere.
-    EXPECT_GT(std::get<double>(row[4]), claimed - 0.15) << quantity;
+    // At least: a leading term may vanish here that does not elsewhere. Of a high order three points are
+    // left, a few times the step from the floor, where the next term still bends the slope by h^2 or so of
+    // itself.
+    EXPECT_GT(std::get<double>(row[4]), claimed - (claimed > 4 ? 0.5 : 0.15)) << quantity;
     if (timed.timed_order <= claimed) {
       EXPECT_LT(std::get<double>(row[4]), claimed + 0.5) << quantity;
     }
