@@ -155,7 +155,7 @@ class FreeRotation {
   void set_up_symmetric(const Vec3T<S>& moments, const Vec3T<S>& d) {
     kind_ = Kind::symmetric;
     const int axis = d.x() == S(0) ? 0 : d.y() == S(0) ? 1 : 2;
-    const S across(moments[(axis + 1) % 3]), along(moments[axis]);
+    const S &across = moments[(axis + 1) % 3], &along = moments[axis];
     precession_ = Vec3T<S>(w0_);
     precession_[axis] = along / across * w0_[axis];  // L_B/across
     spin_ = Vec3T<S>(S(0), S(0), S(0));
@@ -179,7 +179,7 @@ class FreeRotation {
     sign_[2] = S(w0[axis_[2]] < S(0) ? -1 : 1);
     sign_[1] = S(even ? 1 : -1) * sign_[0] * sign_[2];
 
-    const S I1(moments[axis_[0]]), I2(moments[axis_[1]]), I3(moments[axis_[2]]);
+    const S &I1 = moments[axis_[0]], &I2 = moments[axis_[1]], &I3 = moments[axis_[2]];
     const S w1(sign_[0] * w0[axis_[0]]), w2(sign_[1] * w0[axis_[1]]), w3(sign_[2] * w0[axis_[2]]);
     // Differences of the given doubles, all with the sign of I3 - I1.
     const S d31 = abs(I3 - I1), d32 = abs(I3 - I2), d21 = abs(I2 - I1);

@@ -135,8 +135,8 @@ Unit<S> box_shell(const Size<S>& s) {
     // A pair of plates: a box without its own thickness, at half of it from the centre.
     const int j = (i + 1) % 3, k = (i + 2) % 3;
     const std::array<S, 3> edge{a, b, c};
-    const S x = edge[static_cast<std::size_t>(i)], y = edge[static_cast<std::size_t>(j)],
-            z = edge[static_cast<std::size_t>(k)];
+    const S &x = edge[static_cast<std::size_t>(i)], &y = edge[static_cast<std::size_t>(j)],
+            &z = edge[static_cast<std::size_t>(k)];
     sum[i] += area[i] * (y * y + z * z) / 12;
     sum[j] += area[i] * (z * z / 12 + x * x / 4);
     sum[k] += area[i] * (y * y / 12 + x * x / 4);

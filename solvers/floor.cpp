@@ -203,9 +203,12 @@ bool Follower::repeat(double period, const Standing& once, const std::vector<Str
   std::vector<DisturbanceMap> doubled{returned(to.back(), w, f)};  // over 1, 2, 4, ... periods
   const auto over = [&](double periods) {
     DisturbanceMap map = DisturbanceMap::Identity();
-    for (std::size_t k = 0; periods >= 1; ++k, periods = std::floor(periods / 2)) {
+    std::size_t k = 0;
+    while (periods >= 1) {
       if (k == doubled.size()) doubled.push_back(returned(product(doubled.back(), doubled.back()), w, f));
       if (std::fmod(periods, 2) == 1) map = product(doubled[k], map);
+      periods = std::floor(periods / 2);
+      ++k;
     }
     return map;
   };
