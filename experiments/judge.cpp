@@ -78,13 +78,10 @@ std::array<bool, 6> told_by(const Scene& scene, const TrajectoryFile& file) {
   const bool oriented = attitude || (rotates && !scene.rotation->attitude);
   const bool moving = !file.p.empty() && !file.v.empty();
   const bool computed = rotates ? rates && (moves || oriented || scene.rotation->loads.empty()) : moving;
-  return {attitude,
-          rates,
-          moves && !file.p.empty(),
+  return {attitude, rates, moves && !file.p.empty(),
           computed || (!(rotates && moves) && !file.energy.empty()),
           // L in a file is that of the space frame, which bare rates do not know.
-          rotates && ((rates && oriented) || (scene.rotation->attitude && !file.L.empty())),
-          attitude};
+          rotates && ((rates && oriented) || (scene.rotation->attitude && !file.L.empty())), attitude};
 }
 
 std::array<double, 6> errors_in(const SampleErrors& e, const std::array<bool, 6>& told, bool rotational) {

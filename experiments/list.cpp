@@ -86,8 +86,9 @@ std::string list_solvers(const Options& options) {
   }
   for (const EngineStatus& e : all_engines())
     if (!e.available) out += fmt::format("{:<{}}  {}\n", e.id + "-*", id_width, e.missing);
-  out += "\norder: of attitude, rates, energy and momentum in the step size; - : none is claimed; where a load\n"
-         "depends on time: the same, unless the last column says otherwise\n";
+  out +=
+      "\norder: of attitude, rates, energy and momentum in the step size; - : none is claimed; where a load\n"
+      "depends on time: the same, unless the last column says otherwise\n";
   return out;
 }
 

@@ -59,8 +59,8 @@ std::vector<S> row_of(const Scene& scene, const QuaternionT<S>& to_user, const S
 std::vector<Column> columns_of(const Scene& scene) {
   std::vector<Column> of_scene;
   for (std::size_t i = 0; i < std::size(columns); ++i) {
-    const bool translation = i >= 1 && i <= 6, attitude = i >= 7 && i <= 10,
-               rotation = i >= 11 && i <= 13, momentum = i >= 15;
+    const bool translation = i >= 1 && i <= 6, attitude = i >= 7 && i <= 10, rotation = i >= 11 && i <= 13,
+               momentum = i >= 15;
     if ((translation && !scene.translation) || (rotation && !scene.rotation) ||
         // L is that of the space frame, which bare rates do not know.
         ((attitude || momentum) && !(scene.rotation && scene.rotation->attitude)))

@@ -64,7 +64,8 @@ std::string other_words(const std::string& place) {
   if (place == "body.orientation" || has("inertia_frame"))
     return "the tensor in the axes of the body: inertia = [xx, yy, zz, xy, xz, yz] of R I R^T";
   if (place.starts_with("body.part") && (has("inertia") || has("shape")))
-    return "a shape for each part; a body known by numbers is one tensor, [body] inertia = [xx, yy, zz, xy, xz, yz]";
+    return "a shape for each part; a body known by numbers is one tensor, [body] inertia = [xx, yy, zz, xy, "
+           "xz, yz]";
   return "";
 }
 
