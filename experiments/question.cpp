@@ -41,6 +41,7 @@ void for_each_run(const Options& options, std::size_t n, const std::function<voi
   std::exception_ptr failure;
   std::mutex guard;
   const auto work = [&] {
+    give_back_wide_constants();  // of closed forms that doubles cannot hold
     for (std::size_t i = next++; i < n && !interrupted(); i = next++) {
       try {
         f(i);

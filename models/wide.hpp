@@ -24,6 +24,16 @@ using Wide = Decimal<50>;
 using Narrower = Decimal<40>;   // what a closed form in Wide is checked against
 using Resolved = Decimal<200>;  // in which a scene file is resolved, before it is rounded to Wide
 
+/// MPFR keeps constants, pi say, for each thread. To be called by one that computes in these types: its
+/// constants go when it ends.
+inline void give_back_wide_constants() {
+  struct Constants {
+    ~Constants() { mpfr_free_cache(); }
+  };
+  thread_local const Constants constants;
+  static_cast<void>(constants);
+}
+
 /// A sum of products of five numbers, exactly.
 template <unsigned decimal_digits>
 struct ExactProducts<Decimal<decimal_digits>> {

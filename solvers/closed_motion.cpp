@@ -50,6 +50,7 @@ class ClosedMotion final : public ExactMotion {
     const std::size_t every = std::max<std::size_t>(1, samples.size() / 16);
     for (std::size_t i = samples.empty() ? 0 : (samples.size() - 1) % every; i < samples.size(); i += every) {
       allowance.spend();
+      if (samples[i].t == 0) continue;  // known without any rounding, and maybe at rest
       const ExactState<Narrower> x = narrower_->at(Narrower(samples[i].t));
       const QuaternionT<Wide> q = x.q.template cast<Wide>();
       widen(u, samples[i], exact_.rotation->attitude ? q : samples[i].q, x.w_B.template cast<Wide>(), least);

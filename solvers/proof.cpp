@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <vector>
 
 #include "models/errors.hpp"
@@ -229,8 +230,8 @@ double least_uncertainty(const ExactScene& exact, std::span<const WideSample> sa
   Wide fastest(0);
   for (const WideSample& s : samples) fastest = std::max(fastest, Wide(s.w_B.norm()));
   // Some hundred roundings of the state, and one of the angle that it has turned by.
-  return Wide(std::numeric_limits<Wide>::epsilon() * (256 + 4 * fastest * samples.back().t))
-      .convert_to<double>();
+  const Wide left = std::numeric_limits<Wide>::epsilon() * (256 + 4 * fastest * samples.back().t);
+  return std::min(left.convert_to<double>(), std::numbers::pi);
 }
 
 }  // namespace polhode

@@ -15,6 +15,7 @@ namespace {
 constexpr double worst_uncertainty = 1e-6;
 
 std::shared_ptr<const ExactMotion> found(const Scene& scene, double until, const Allowance& allowance) {
+  give_back_wide_constants();
   if (auto closed = closed_motion(scene)) return closed;
   if (is_stiff(scene, until)) try {
       return implicit_motion(scene, until, allowance);
@@ -27,6 +28,7 @@ std::shared_ptr<const ExactMotion> found(const Scene& scene, double until, const
 /// The truth of a motion that has been found: its samples, how certain they are, and the proof of both.
 Truth truth_of_motion(const Scene& scene, const ExactMotion& motion, double until,
                       std::span<const double> times, const Allowance& allowance) {
+  give_back_wide_constants();
   const double began = thread_seconds();
   Truth truth;
   truth.kind = motion.kind();

@@ -81,6 +81,16 @@ class Proof : public SceneFile {
   }
 };
 
+TEST_F(Proof, OfManySimpleNumbers) {
+  // The proof alone: start, what is conserved, and the second method over short stretches.
+  DrawnScenes drawn(31);
+  for (int i = 0; i < many(500) && !HasFailure(); ++i) {
+    const std::string text = drawn.simple();
+    const std::vector<double> times{0, 0.7, 2.5};
+    EXPECT_NO_THROW(reference_solution(read(text), times)) << text;
+  }
+}
+
 TEST_F(Proof, SimpleNumbers) {
   DrawnScenes drawn(20261128);
   for (int i = 0; i < many(100) && !HasFailure(); ++i) {
