@@ -446,6 +446,7 @@ PrincipalAxesT<S> principal_axes(const Mat3T<std::type_identity_t<S>>& inertia) 
 
 template <class S>
 InertiaFault inertia_fault(const Vec3T<std::type_identity_t<S>>& wide_moments, bool physical) {
+  using std::abs;
   const Vec3 moments(static_cast<double>(wide_moments[0]), static_cast<double>(wide_moments[1]),
                      static_cast<double>(wide_moments[2]));
   const S largest = wide_moments.maxCoeff();
@@ -461,8 +462,12 @@ InertiaFault inertia_fault(const Vec3T<std::type_identity_t<S>>& wide_moments, b
   // In doubles, less than 1e-14 of the largest is what rounding leaves of zero when a rod is diagonalised.
   const S zero = std::is_floating_point_v<S> ? S(1e-14) * largest : S(0);
   for (int i = 0; i < 3; ++i) {
+    // Of masses on a line the other two moments are equal, to the rounding of what was given.
+    const S &other = wide_moments[(i + 1) % 3], &third = wide_moments[(i + 2) % 3];
+    const bool on_line = abs(S(other - third)) <= S(1e-6) * largest;
     if (wide_moments[i] >= S(0) && wide_moments[i] <= zero && largest > S(0))
-      return fault(name(i) + " > 0: all mass lies on a line, and about it there is nothing to turn");
+      return fault(name(i) + (on_line ? " > 0: all mass lies on a line, and about it there is nothing to turn"
+                                      : " > 0"));
     if (!(wide_moments[i] > S(0))) return fault(name(i) + " > 0");
     if (!std::isnormal(moments[i]) || !std::isfinite(1 / moments[i]) || !std::isfinite(moments.sum()))
       return fault(name(i) + " and 1/" + name(i) + " within the range of double precision");
