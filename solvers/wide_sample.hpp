@@ -1,6 +1,7 @@
 // What every truth does with its states: samples, the difference of two runs as uncertainty, words to keep.
 #pragma once
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -32,11 +33,11 @@ WideSample wide_sample(const M& m, const Wide& t, const typename M::State& y) {
 /// count as zero.
 inline void widen(ExactMotion::Uncertainty& u, const WideSample& s, const QuaternionT<Wide>& q,
                   const Vec3T<Wide>& w_B, const Wide& least) {
-  // Not std::max, which drops what is not a number.
-  const auto larger = [](double a, double b) { return a >= b ? a : b; };
+  // Not std::max: what is not a number stays, and is refused.
+  const auto larger = [](double a, double b) { return std::isnan(a) || a >= b ? a : b; };
   u.attitude = larger(u.attitude, attitude_error<Wide>(s.q, q).convert_to<double>());
   const Wide scale = std::max(Wide(s.w_B.norm()), least);
-  if (scale > 0) u.rate = larger(u.rate, Wide((s.w_B - w_B).norm() / scale).convert_to<double>());
+  if (scale != 0) u.rate = larger(u.rate, Wide((s.w_B - w_B).norm() / scale).convert_to<double>());
 }
 
 /// Below it a rate has died out, or is what rounding leaves of rest: 1e-30 of the fastest, or of what the
